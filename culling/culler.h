@@ -1,0 +1,128 @@
+// A culling method answers one question: which objects of a scene must this camera receive?
+// Method is the stateless recipe; Culler is that recipe prepared for one immutable snapshot.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "culling/core/camera.h"
+#include "culling/core/clock.h"
+#include "culling/core/ids.h"
+#include "culling/core/result.h"
+#include "culling/scene/scene_snapshot.h"
+
+namespace culld {
+
+/// What an answer promises about the exact visible set E (docs/error-model.md §1).
+enum class Guarantee : std::uint8_t { kConservative, kHole, kSampled, kApproximate };
+
+/// "conservative", "hole", "sampled", "approximate".
+std::string_view guaranteeName(Guarantee guarantee) noexcept;
+
+/// What the client asks for.
+struct Demand {
+  Guarantee guarantee = Guarantee::kConservative;
+  float hole_px = 0.0F;             ///< with kHole: the side of the hole accepted
+  float accepted_missed_px = 0.0F;  ///< loss accepted; 0 demands a superset of E
+  std::chrono::nanoseconds time{0};  ///< 0: no limit; past it the answer is cut short, a superset
+};
+
+/// Counted work, so that claims can be checked without a clock.
+struct CullStats {
+  std::chrono::nanoseconds time{0};
+  std::uint32_t nodes_visited = 0;    ///< hierarchy nodes looked at
+  std::uint32_t tested = 0;           ///< objects tested one by one
+  std::uint32_t outside = 0;          ///< objects proven outside the frustum
+  std::uint32_t occluded = 0;         ///< objects proven hidden
+  std::uint32_t in_frustum = 0;       ///< objects not proven outside
+  std::uint32_t occluders_drawn = 0;
+  std::uint32_t triangles_drawn = 0;
+  std::uint32_t always_kept = 0;      ///< objects without a bound (skins, morphs, non-finite)
+};
+
+struct Answer {
+  std::vector<ObjectId> visible;   ///< ascending, unique: equal answers are equal bytes
+  std::vector<std::uint8_t> seen;  ///< per visible object: 1 certainly in E, 0 kept for safety; may be empty
+  Guarantee guarantee = Guarantee::kConservative;
+  float missed_px = 0.0F;          ///< bound (proven) or estimate of the pixels of E lost
+  bool proven = true;
+  bool out_of_budget = false;      ///< stopped early: everything undecided was kept
+  std::string note;                ///< what was left out of the work and why, empty if nothing
+  CullStats stats;
+};
+
+/// A method's memory between frames and its scratch space. One per view; dropping it costs time,
+/// never correctness. THREADS: one user at a time.
+class ViewState {
+ public:
+  class Memory {
+   public:
+    virtual ~Memory() = default;
+  };
+  /// The memory of the culler that asks, made on first use and when another method comes by.
+  template <typename T>
+  T& memory() {
+    T* mine = dynamic_cast<T*>(memory_.get());
+    if (mine == nullptr) {
+      auto fresh = std::make_unique<T>();
+      mine = fresh.get();
+      memory_ = std::move(fresh);
+    }
+    return *mine;
+  }
+
+ private:
+  std::unique_ptr<Memory> memory_;
+};
+
+/// A method prepared for one immutable snapshot.
+class Culler {
+ public:
+  virtual ~Culler() = default;
+  /// REQUIRES: a camera made by cameraFrom...(). GUARANTEES: the method's, also when time runs out.
+  /// THREADS: any number of callers, each with its own ViewState.
+  virtual Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const = 0;
+  /// The same method for the next version of the scene, refitted rather than rebuilt.
+  /// REQUIRES: `next` came from this culler's snapshot by edits of the objects in `changed`.
+  virtual Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
+                                                 std::span<const ObjectId> changed) const = 0;
+  /// Bytes that this culler holds beyond the snapshot.
+  virtual std::size_t preparedBytes() const noexcept = 0;
+};
+
+/// What a scene is like, as far as methods and planner need it (culling/planner).
+struct SceneProfile {
+  std::uint64_t objects = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t blocking_triangles = 0;
+};
+
+struct MethodInfo {
+  std::string_view name;
+  std::string_view source;  ///< author, year
+  Guarantee guarantee = Guarantee::kConservative;
+  std::string_view needs;   ///< "boxes", "triangles", ...
+};
+
+/// A published method, ready to be prepared for any scene. Stateless. THREADS: any.
+class Method {
+ public:
+  virtual ~Method() = default;
+  virtual MethodInfo info() const noexcept = 0;
+  /// ERROR: kUnsupported, saying why this method is not for such a scene.
+  virtual Result<void> accepts(const SceneProfile& profile) const = 0;
+  /// Time limits in a Demand are measured with `clock`, which must outlive the culler.
+  virtual Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene,
+                                                  const Clock& clock = steadyClock()) const = 0;
+};
+
+/// Every method, an explicit table (methods/all.cpp).
+std::span<const Method* const> allMethods() noexcept;
+/// nullptr if there is none of that name.
+const Method* findMethod(std::string_view name) noexcept;
+
+}  // namespace culld

@@ -1,0 +1,41 @@
+// Puts meshes and instances together into the first snapshot of a scene.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "culling/core/result.h"
+#include "culling/scene/mesh.h"
+#include "culling/scene/scene_snapshot.h"
+
+namespace culld {
+
+/// Triangles as a file or a generator gives them, before welding.
+struct RawSurface {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;  ///< three per triangle, each < positions.size()
+  bool blocks = true;
+  bool double_sided = false;
+};
+
+/// Welds the surfaces of one mesh, pairs their edges, bounds them. Never fails: what is degenerate
+/// or not finite is dropped and counted. COST: O(n log n) in triangles, sort-based.
+Mesh makeMesh(const std::vector<RawSurface>& surfaces);
+
+class SceneBuilder {
+ public:
+  MeshId addMesh(Mesh mesh);
+  /// `world_from_mesh`: three rows of four. REQUIRES: mesh was added.
+  ObjectId addInstance(MeshId mesh, const std::array<double, 12>& world_from_mesh,
+                       std::uint32_t node, std::uint32_t instance_number = 0);
+  void warn(std::string line);
+  /// Bounds, flags and hashes everything. The builder is empty afterwards.
+  SnapshotPtr finish();
+
+ private:
+  std::unique_ptr<SceneSnapshot> scene_ = std::make_unique<SceneSnapshot>();
+};
+
+}  // namespace culld
