@@ -28,6 +28,12 @@ class ChunkedArray {
     ++size_;
   }
 
+  /// Gives back what growing reserved. REQUIRES: no other copy is being read.
+  void shrinkToFit() {
+    chunks_.shrink_to_fit();
+    for (auto& c : chunks_) c->shrink_to_fit();
+  }
+
   std::size_t chunkCount() const noexcept { return chunks_.size(); }
   const std::vector<T>& chunk(std::size_t c) const noexcept { return *chunks_[c]; }
   bool sharesChunk(std::size_t c, const ChunkedArray& other) const noexcept {

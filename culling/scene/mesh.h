@@ -1,4 +1,5 @@
-// One mesh, shared by all its instances: welded triangles, which of their edges meet, what they block.
+// One mesh, shared by all its instances: welded triangles, which of their edges meet, what they
+// block.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,8 +23,9 @@ struct Surface {
 };
 
 /// Mesh space: the node's local coordinates. Immutable once in a snapshot.
-/// Positions are welded: two vertices with bitwise equal coordinates are one. Triangles with a
-/// non-finite or repeated vertex are dropped; they are neither seen nor block (`dropped_triangles`).
+/// Positions are welded: two vertices with equal coordinates (-0 is 0) are one. Triangles with a
+/// non-finite or repeated vertex are dropped; they are neither seen nor block
+/// (`dropped_triangles`).
 struct Mesh {
   std::vector<glm::vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< CCW seen from the front
@@ -32,10 +34,10 @@ struct Mesh {
   /// half-edge has at most one partner; where more than two meet, some stay open.
   std::vector<std::uint32_t> partners;
   std::vector<Surface> surfaces;  ///< cover [0, triangles.size()) in order
-  Box bounds;                     ///< of all finite vertices, of points and lines too
+  Box bounds;                     ///< of all kept triangles, of points and lines too
   std::uint32_t dropped_triangles = 0;
-  std::uint32_t non_finite_vertices = 0;
-  std::uint32_t points_and_lines = 0;  ///< primitives that are seen and never block
+  std::uint32_t non_finite_vertices = 0;  ///< of those that a triangle uses
+  std::uint32_t points_and_lines = 0;     ///< primitives that are seen and never block
   /// Skinned, morphed or with non-finite vertices: no bound holds for it, so its objects are always
   /// kept and never block.
   bool unbounded = false;

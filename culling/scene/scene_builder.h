@@ -21,7 +21,8 @@ struct RawSurface {
 };
 
 /// Welds the surfaces of one mesh, pairs their edges, bounds them. Never fails: what is degenerate
-/// or not finite is dropped and counted. COST: O(n log n) in triangles, sort-based.
+/// or not finite is dropped and counted; vertices that no triangle uses are left out.
+/// REQUIRES: fewer than 2^32 - 1 positions and 2^32 / 3 triangles. COST: O(n log n), sort-based.
 Mesh makeMesh(const std::vector<RawSurface>& surfaces);
 
 class SceneBuilder {
@@ -36,6 +37,7 @@ class SceneBuilder {
 
  private:
   std::unique_ptr<SceneSnapshot> scene_ = std::make_unique<SceneSnapshot>();
+  SceneSnapshot::FixedParts fixed_;
 };
 
 }  // namespace culld
