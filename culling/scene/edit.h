@@ -23,7 +23,8 @@ struct ShowObject {
 struct RemoveObject {
   ObjectId object = 0;
 };
-/// A further instance of the mesh of `like`; its id is the next free one.
+/// A further instance of the mesh of `like`; its id is the next free one. It carries the node of
+/// `like`, with its own id as instance number: no loaded instance of that node has one that large.
 struct AddInstance {
   ObjectId like = 0;
   std::array<double, 12> world_from_mesh{};
