@@ -19,12 +19,12 @@ class ChunkedArray {
   /// REQUIRES: i < size(). THREADS: an array that others read is copied first, then changed.
   T& mutableAt(std::size_t i) { return ownedChunk(i / kChunk)[i % kChunk]; }
 
-  void push_back(T value) {
+  void push_back(const T& value) {
     if (size_ % kChunk == 0) {
       auto fresh = std::make_shared<std::vector<T>>();
       chunks_.push_back(std::move(fresh));
     }
-    ownedChunk(size_ / kChunk).push_back(std::move(value));
+    ownedChunk(size_ / kChunk).push_back(value);
     ++size_;
   }
 

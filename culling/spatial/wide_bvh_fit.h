@@ -1,0 +1,47 @@
+// How one node is computed from what lies below it; shared by building and editing, so that a tree
+// has the same exact containment however it came about.
+#pragma once
+#include "culling/core/box.h"
+#include "culling/scene/scene_snapshot.h"
+#include "culling/spatial/wide_bvh.h"
+
+namespace culld {
+
+enum class LaneClass {
+  kNone,        ///< removed, or nothing in it to see: neither in the tree nor in answers
+  kAlwaysKept,  ///< no bound holds for it: not in the tree
+  kLane,        ///< in the tree; live if the object is active
+};
+LaneClass laneClassOf(const Instance& instance) noexcept;
+
+WideNode emptyNode(std::uint32_t parent) noexcept;
+
+/// Contains every live lane of the node exactly; empty if no lane is live.
+Box boundsOf(const WideNode& node) noexcept;
+
+/// Sets origin, offsets and live bits of the node from its children. `node_at(index)` gives a child
+/// node, which is fitted already.
+template <typename NodeAt>
+void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at);
+
+/// The same from the boxes of the lanes; an empty box makes a lane that is not live.
+void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept;
+
+template <typename NodeAt>
+void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at) {
+  Box boxes[kWideLanes];
+  for (std::size_t l = 0; l < kWideLanes; ++l) {
+    const ChildRef child = node.child[l];
+    if (child.isObject()) {
+      const Instance& instance = scene.instance(child.objectId());
+      if (instance.active() && laneClassOf(instance) == LaneClass::kLane) {
+        boxes[l] = instance.bounds_world;
+      }
+    } else if (!child.empty()) {
+      boxes[l] = boundsOf(node_at(child.nodeIndex()));
+    }
+  }
+  fitNode(node, boxes);
+}
+
+}  // namespace culld
