@@ -26,32 +26,33 @@ std::string_view guaranteeName(Guarantee guarantee) noexcept;
 /// What the client asks for.
 struct Demand {
   Guarantee guarantee = Guarantee::kConservative;
-  float hole_px = 0.0F;             ///< with kHole: the side of the hole accepted
-  float accepted_missed_px = 0.0F;  ///< loss accepted; 0 demands a superset of E
+  float hole_px = 0.0F;              ///< with kHole: the side of the hole accepted
+  float accepted_missed_px = 0.0F;   ///< loss accepted; 0 demands a superset of E
   std::chrono::nanoseconds time{0};  ///< 0: no limit; past it the answer is cut short, a superset
 };
 
 /// Counted work, so that claims can be checked without a clock.
 struct CullStats {
   std::chrono::nanoseconds time{0};
-  std::uint32_t nodes_visited = 0;    ///< hierarchy nodes looked at
-  std::uint32_t tested = 0;           ///< objects tested one by one
-  std::uint32_t outside = 0;          ///< objects proven outside the frustum
-  std::uint32_t occluded = 0;         ///< objects proven hidden
-  std::uint32_t in_frustum = 0;       ///< objects not proven outside
+  std::uint32_t nodes_visited = 0;  ///< hierarchy nodes looked at
+  std::uint32_t tested = 0;         ///< objects tested one by one
+  std::uint32_t outside = 0;        ///< objects proven outside the frustum
+  std::uint32_t occluded = 0;       ///< objects proven hidden
+  std::uint32_t in_frustum = 0;     ///< objects not proven outside
   std::uint32_t occluders_drawn = 0;
   std::uint32_t triangles_drawn = 0;
-  std::uint32_t always_kept = 0;      ///< objects without a bound (skins, morphs, non-finite)
+  std::uint32_t always_kept = 0;  ///< objects without a bound (skins, morphs, non-finite)
 };
 
 struct Answer {
-  std::vector<ObjectId> visible;   ///< ascending, unique: equal answers are equal bytes
-  std::vector<std::uint8_t> seen;  ///< per visible object: 1 certainly in E, 0 kept for safety; may be empty
+  std::vector<ObjectId> visible;  ///< ascending, unique: equal answers are equal bytes
+  std::vector<std::uint8_t>
+      seen;  ///< per visible object: 1 certainly in E, 0 kept for safety; may be empty
   Guarantee guarantee = Guarantee::kConservative;
-  float missed_px = 0.0F;          ///< bound (proven) or estimate of the pixels of E lost
+  float missed_px = 0.0F;  ///< bound (proven) or estimate of the pixels of E lost
   bool proven = true;
-  bool out_of_budget = false;      ///< stopped early: everything undecided was kept
-  std::string note;                ///< what was left out of the work and why, empty if nothing
+  bool out_of_budget = false;  ///< stopped early: everything undecided was kept
+  std::string note;            ///< what was left out of the work and why, empty if nothing
   CullStats stats;
 };
 
@@ -105,7 +106,7 @@ struct MethodInfo {
   std::string_view name;
   std::string_view source;  ///< author, year
   Guarantee guarantee = Guarantee::kConservative;
-  std::string_view needs;   ///< "boxes", "triangles", ...
+  std::string_view needs;  ///< "boxes", "triangles", ...
 };
 
 /// A published method, ready to be prepared for any scene. Stateless. THREADS: any.

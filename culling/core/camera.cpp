@@ -97,7 +97,8 @@ Result<Camera> cameraFromLookAt(const LookAt& look, ImageSize image, MotionBound
   const double near = look.znear_m;
   // Depth rows as in glFrustum; an infinite far plane is their limit.
   const double depth_scale = look.zfar_m ? (*look.zfar_m + near) / (*look.zfar_m - near) : 1.0;
-  const double depth_shift = look.zfar_m ? 2.0 * *look.zfar_m * near / (*look.zfar_m - near) : 2.0 * near;
+  const double depth_shift =
+      look.zfar_m ? 2.0 * *look.zfar_m * near / (*look.zfar_m - near) : 2.0 * near;
   Camera camera;
   camera.origin_world = look.eye;
   camera.x_row = glm::dvec4(side * (focal / look.aspect), 0.0);

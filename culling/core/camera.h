@@ -1,6 +1,7 @@
-// A camera as the engine uses it: everything relative to its own origin, in double precision, so that
-// a centimetre at 6.4e6 m from the world's origin is still a centimetre (docs/error-model.md §2).
-// OpenGL conventions: clip space with -w <= x, y, z <= w, the camera looks down -z of its view space.
+// A camera as the engine uses it: everything relative to its own origin, in double precision, so
+// that a centimetre at 6.4e6 m from the world's origin is still a centimetre (docs/error-model.md
+// §2). OpenGL conventions: clip space with -w <= x, y, z <= w, the camera looks down -z of its view
+// space.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,21 +14,24 @@
 
 namespace culld {
 
-/// Every pose within `radius_m` of the eye and `angle_rad` of the orientation is promised the answer.
+/// Every pose within `radius_m` of the eye and `angle_rad` of the orientation is promised the
+/// answer.
 struct MotionBound {
   double radius_m = 0.0;
   double angle_rad = 0.0;
   bool still() const noexcept { return radius_m == 0.0 && angle_rad == 0.0; }
 };
 
-/// REQUIRES of users: made by one of the functions below, which check it; then every number is finite.
+/// REQUIRES of users: made by one of the functions below, which check it; then every number is
+/// finite.
 struct Camera {
   glm::dvec3 origin_world{0.0};  ///< the eye; for an orthographic camera a point of the near plane
   /// Clip coordinates are rows applied to (p_world - origin_world, 1).
   /// For a perspective camera x_row.w == y_row.w == w_row.w == 0 exactly: the eye is the origin.
   glm::dvec4 x_row{0.0}, y_row{0.0}, z_row{0.0}, w_row{0.0};
   /// nearness(p) = dot(near_row, p) / dot(w_row, p): affine over the image on any plane, larger is
-  /// nearer to the eye, > 0 inside the frustum. Perspective: 1/w. Orthographic: 1 at near, 0 at far.
+  /// nearer to the eye, > 0 inside the frustum. Perspective: 1/w. Orthographic: 1 at near, 0 at
+  /// far.
   glm::dvec4 near_row{0.0};
   bool perspective = true;
   std::uint32_t width_px = 1280;
@@ -50,7 +54,8 @@ struct ImageSize {
 
 inline constexpr std::uint32_t kMaxImageSide = 65536;
 
-/// ERROR: kInvalidInput naming the field: NaN, zero-sized image, yfov outside (0, pi), near <= 0, ...
+/// ERROR: kInvalidInput naming the field: NaN, zero-sized image, yfov outside (0, pi), near <= 0,
+/// ...
 Result<Camera> cameraFromLookAt(const LookAt& look, ImageSize image, MotionBound motion = {});
 
 /// `view` maps world to view space, `projection` view to clip space, both column-major.

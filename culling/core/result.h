@@ -1,9 +1,9 @@
-// Result<T>: a value, or an Error that names the input. The way failures cross rooms (docs/adr/0004):
-// std::expected is not in g++ 12's C++20 mode, and exceptions do not cross a room.
+// Result<T>: a value, or an Error that names the input. The way failures cross rooms
+// (docs/adr/0004): std::expected is not in g++ 12's C++20 mode, and exceptions do not cross a room.
 #pragma once
 #include <string>
-#include <utility>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
 namespace culld {

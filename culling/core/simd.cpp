@@ -18,7 +18,8 @@ std::string lowerName(std::int64_t target) {
 
 std::vector<std::string> simdTargets() {
   std::vector<std::string> names;
-  for (std::int64_t target : hwy::SupportedAndGeneratedTargets()) names.push_back(lowerName(target));
+  for (std::int64_t target : hwy::SupportedAndGeneratedTargets())
+    names.push_back(lowerName(target));
   return names;
 }
 

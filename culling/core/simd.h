@@ -1,4 +1,5 @@
-// Which SIMD target the kernels use. All targets give equal bytes; forcing one is for tests and doubt.
+// Which SIMD target the kernels use. All targets give equal bytes; forcing one is for tests and
+// doubt.
 #pragma once
 #include <string>
 #include <string_view>

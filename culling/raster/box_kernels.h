@@ -1,0 +1,40 @@
+// Eight boxes at a time to outer-conservative rectangles of cells and their nearest nearness.
+// docs/error-model.md §5 proves the margins. box_reference.cpp is the scalar truth; equal bytes.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "culling/raster/cell_view.h"
+
+namespace culld {
+
+inline constexpr std::size_t kBoxLanes = 8;
+
+/// CellView in float. Rows u, v, w, n as (x, y, z, constant).
+struct BoxView {
+  std::array<float, 4> u{}, v{}, w{}, n{};
+  bool perspective = true;
+  float width = 0.0F, height = 0.0F;  ///< grid, cells
+};
+
+BoxView boxView(const CellView& view) noexcept;
+
+/// Offsets of eight boxes from a common origin: min x, y, z, max x, y, z, each eight lanes.
+using BoxOffsets = const float (*)[kBoxLanes];
+
+/// Per lane, in cells: contains every point of the box that may be on the image.
+struct BoxRects {
+  alignas(32) std::array<float, kBoxLanes> x0, x1, y0, y1;
+  alignas(32) std::array<float, kBoxLanes> nearest;  ///< no point of the box is nearer
+  std::uint32_t off_grid = 0;  ///< bit l: box l is surely beside the image or behind the eye
+};
+
+/// `origin` is the common origin relative to the camera's, metres, not yet rounded to float.
+/// A box that may reach the eye's plane gets the whole grid and infinite nearness.
+void projectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
+                  BoxRects& out);
+void projectBoxesReference(const BoxView& view, const std::array<double, 3>& origin,
+                           BoxOffsets offsets, BoxRects& out);
+
+}  // namespace culld

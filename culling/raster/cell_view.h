@@ -1,0 +1,39 @@
+// The image as the rasterizer sees it: a grid of square cells, independent of the client's pixels.
+// The exact visible set knows no pixels, so any grid is sound; a finer one leaves out more.
+#pragma once
+#include <cstdint>
+#include <glm/vec4.hpp>
+
+#include "culling/core/camera.h"
+
+namespace culld {
+
+inline constexpr std::uint32_t kBlockSide = 8;  ///< cells per block and axis: 64 bits of a mask
+/// Longest grid side. Keeps line coefficients of cells within what float masks decide
+/// (docs/error-model.md §4).
+inline constexpr std::uint32_t kMaxGridSide = 2048;
+
+struct CellGrid {
+  std::uint32_t width = 0, height = 0;       ///< cells
+  std::uint32_t blocks_x = 0, blocks_y = 0;  ///< blocks, the last ones may stick out
+  std::uint32_t blocks() const noexcept { return blocks_x * blocks_y; }
+};
+
+/// The camera's image size, scaled so that its longer side is within [256, 1280] cells.
+CellGrid gridFor(const Camera& camera) noexcept;
+
+/// Rows on (p_world - origin_world, 1). A point lies at cell coordinates (u / w, v / w), which are
+/// within [0, width] x [0, height] on the image; nearness is n / w (Camera::near_row);
+/// near_cut and far_cut are >= 0 between the clip planes z = -w and z = +w.
+struct CellView {
+  CellGrid grid;
+  glm::dvec4 u{0.0}, v{0.0}, w{0.0}, n{0.0}, near_cut{0.0}, far_cut{0.0};
+  bool perspective = true;
+  /// Sign of the projected area of a triangle that turns its front (CCW side) to the eye; 0 if the
+  /// camera is so flat that this cannot be told, then nothing blocks.
+  double front_sign = 1.0;
+};
+
+CellView cellView(const Camera& camera, const CellGrid& grid) noexcept;
+
+}  // namespace culld

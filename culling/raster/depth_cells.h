@@ -1,0 +1,46 @@
+// What the occluders drawn so far prove: per cell a nearness such that every ray through the cell
+// meets a blocking surface at least that near. 0 means nothing is proven.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "culling/raster/cell_view.h"
+
+namespace culld {
+
+/// A closed range of cells.
+struct CellRect {
+  std::uint32_t x0, x1, y0, y1;
+};
+
+class DepthCells {
+ public:
+  /// Forgets everything. COST: one float per block; cells are cleared when first used.
+  void reset(const CellGrid& grid);
+
+  const CellGrid& grid() const noexcept { return grid_; }
+  /// The block's 64 cells, cell (i, j) at 8 * j + i.
+  float* cells(std::uint32_t block);
+  /// Every cell of the block is at least this near.
+  float leastNearness(std::uint32_t block) const noexcept { return least_[block]; }
+  void setLeastNearness(std::uint32_t block, float least) noexcept { least_[block] = least; }
+
+  /// Something in the rectangle, nowhere nearer than `nearest`, is hidden in every cell of it.
+  /// Cells at the same nearness do not hide.
+  bool certainlyHidden(const CellRect& rect, float nearest) const;
+
+  std::size_t bytes() const noexcept;
+
+ private:
+  bool blockHides(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
+                  float nearest) const;
+
+  CellGrid grid_;
+  std::vector<float> least_;
+  std::vector<std::array<float, 64>> cells_;
+  std::vector<std::uint32_t> used_in_;  ///< frame in which the block's cells were last cleared
+  std::uint32_t frame_ = 0;
+};
+
+}  // namespace culld

@@ -1,0 +1,154 @@
+#include "culling/raster/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace culld {
+namespace {
+
+constexpr std::uint32_t kNoSlot = 0xFFFFFFFFU;
+constexpr std::uint32_t kNoPartner = 0xFFFFFFFFU;
+
+/// One row of mesh space -> cells, and the bound on its rounding error over the object.
+struct ObjectRow {
+  double x, y, z, constant, error;
+};
+
+/// row . (world_from_mesh p - origin, 1) as a row on p. The 16 units of the error bound cover the
+/// product (at most 9 roundings per term) and the four of its evaluation (docs/error-model.md
+/// §4.1).
+ObjectRow objectRow(const glm::dvec4& row, const std::array<double, 12>& m,
+                    const glm::dvec3& offset, const glm::dvec3& largest) {
+  const auto column = [&](std::size_t j) {
+    return row.x * m[j] + row.y * m[4 + j] + row.z * m[8 + j];
+  };
+  const auto reach = [&](std::size_t j) {
+    return std::abs(row.x * m[j]) + std::abs(row.y * m[4 + j]) + std::abs(row.z * m[8 + j]);
+  };
+  ObjectRow out{};
+  out.x = column(0);
+  out.y = column(1);
+  out.z = column(2);
+  out.constant = row.x * offset.x + row.y * offset.y + row.z * offset.z + row.w;
+  const double terms = reach(0) * largest.x + reach(1) * largest.y + reach(2) * largest.z +
+                       std::abs(row.x * offset.x) + std::abs(row.y * offset.y) +
+                       std::abs(row.z * offset.z) + std::abs(row.w);
+  out.error = 16.0 * 0x1p-53 * terms;
+  return out;
+}
+
+double at(const ObjectRow& row, const glm::dvec3& p) {
+  return row.x * p.x + row.y * p.y + row.z * p.z + row.constant;
+}
+
+}  // namespace
+
+void SheetRasterizer::transform(const SheetObject& object, const CellView& view,
+                                const glm::dvec3& origin) {
+  const std::array<double, 12>& m = object.world_from_mesh;
+  const glm::dvec3 offset = glm::dvec3(m[3], m[7], m[11]) - origin;
+  const auto row = [&](const glm::dvec4& r) { return objectRow(r, m, offset, object.largest); };
+  const ObjectRow u = row(view.u), v = row(view.v), w = row(view.w), n = row(view.n),
+                  near_cut = row(view.near_cut), far_cut = row(view.far_cut);
+  error_ = {u.error,        v.error,      w.error, view.perspective ? 0.0 : n.error,
+            near_cut.error, far_cut.error};
+  vertices_.resize(object.positions.size());
+  for (std::size_t i = 0; i < vertices_.size(); ++i) {
+    const glm::dvec3 p(object.positions[i]);
+    vertices_[i] = {at(u, p), at(v, p), at(w, p), at(n, p), at(near_cut, p), at(far_cut, p)};
+  }
+}
+
+void SheetRasterizer::orient(const SheetObject& object, const CellView& view) {
+  orientation_.assign(object.triangles.size(), 0);
+  const double front = object.mirrored ? -view.front_sign : view.front_sign;
+  for (const SheetSurface& surface : object.surfaces) {
+    for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
+      const std::uint32_t t = surface.first_triangle + i;
+      const auto& corner = object.triangles[t];
+      const int sign = certainOrientation(vertices_[corner[0]], vertices_[corner[1]],
+                                          vertices_[corner[2]], error_, grid_);
+      if (surface.double_sided || sign * front > 0.0)
+        orientation_[t] = static_cast<std::int8_t>(sign);
+    }
+  }
+}
+
+SheetBlock& SheetRasterizer::sheetBlock(std::uint32_t block) {
+  std::uint32_t& slot = slot_of_block_[block];
+  if (slot == kNoSlot) {
+    slot = static_cast<std::uint32_t>(touched_.size());
+    touched_.push_back(block);
+    if (blocks_.size() <= slot) blocks_.emplace_back();
+    blocks_[slot].clear();
+  }
+  return blocks_[slot];
+}
+
+void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t triangle,
+                                   DepthCells& cells) {
+  const auto& corner = object.triangles[triangle];
+  const int sign = orientation_[triangle];
+  const ProjectedTriangle projected = projectTriangle(vertices_[corner[0]], vertices_[corner[1]],
+                                                      vertices_[corner[2]], error_, grid_, sign);
+  if (!projected.on_grid) return;
+  std::uint32_t net_edges = 0;
+  for (std::uint32_t e = 0; e < 3; ++e) {
+    const std::uint32_t partner = object.partners[3 * triangle + e];
+    const bool inner = partner != kNoPartner && orientation_[partner / 3] == sign;
+    if (!inner) net_edges |= 1U << e;
+  }
+  const std::uint32_t blocks_x = cells.grid().blocks_x;
+  for (std::uint32_t y = projected.cell_y0 / kBlockSide; y <= projected.cell_y1 / kBlockSide; ++y) {
+    for (std::uint32_t x = projected.cell_x0 / kBlockSide; x <= projected.cell_x1 / kBlockSide;
+         ++x) {
+      const std::uint32_t block = y * blocks_x + x;
+      // Nothing of this object can raise the block: leaving the block out for all its triangles is
+      // sound.
+      if (cells.leastNearness(block) >= object.nearest) continue;
+      const std::optional<BlockTriangle> part = blockTriangle(projected, x, y, net_edges);
+      if (part) addTriangle(*part, sheetBlock(block), cells.cells(block));
+    }
+  }
+}
+
+void SheetRasterizer::finish(DepthCells& cells) {
+  for (std::size_t slot = 0; slot < touched_.size(); ++slot) {
+    const std::uint32_t block = touched_[slot];
+    const SheetBlock& sheet = blocks_[slot];
+    const float least =
+        raiseCells(sheet.sampled & ~sheet.rim, sheet.farthest.data(), cells.cells(block));
+    cells.setLeastNearness(block, least);
+    slot_of_block_[block] = kNoSlot;
+  }
+  touched_.clear();
+}
+
+std::uint32_t SheetRasterizer::draw(const SheetObject& object, const CellView& view,
+                                    const glm::dvec3& camera_origin_world, DepthCells& cells) {
+  if (view.front_sign == 0.0) return 0;
+  grid_ = {static_cast<double>(view.grid.width), static_cast<double>(view.grid.height)};
+  if (slot_of_block_.size() < view.grid.blocks())
+    slot_of_block_.resize(view.grid.blocks(), kNoSlot);
+  transform(object, view, camera_origin_world);
+  orient(object, view);
+  std::uint32_t drawn = 0;
+  for (const SheetSurface& surface : object.surfaces) {
+    for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
+      const std::uint32_t t = surface.first_triangle + i;
+      if (orientation_[t] == 0) continue;
+      drawTriangle(object, t, cells);
+      ++drawn;
+    }
+  }
+  finish(cells);
+  return drawn;
+}
+
+std::size_t SheetRasterizer::bytes() const noexcept {
+  return vertices_.capacity() * sizeof(CellVertex) + orientation_.capacity() +
+         slot_of_block_.capacity() * sizeof(std::uint32_t) +
+         blocks_.capacity() * sizeof(SheetBlock) + touched_.capacity() * sizeof(std::uint32_t);
+}
+
+}  // namespace culld

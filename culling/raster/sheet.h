@@ -1,0 +1,60 @@
+// Draws one object's blocking triangles as a sheet: a cell is covered if no net edge touches it and
+// one triangle holds its sample point, however many triangles meet in it. The net-edge lemma and
+// its use are in docs/error-model.md §3.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "culling/raster/cell_view.h"
+#include "culling/raster/coverage_kernels.h"
+#include "culling/raster/depth_cells.h"
+#include "culling/raster/triangle_setup.h"
+
+namespace culld {
+
+/// A run of triangles of one kind.
+struct SheetSurface {
+  std::uint32_t first_triangle, triangle_count;
+  bool double_sided;
+};
+
+/// An object as an occluder: mesh-space triangles, CCW from the front, and where they stand.
+struct SheetObject {
+  std::span<const glm::vec3> positions;
+  std::span<const std::array<std::uint32_t, 3>> triangles;
+  std::span<const std::uint32_t> partners;  ///< opposite half-edge of half-edge 3 * t + e, or ~0
+  std::span<const SheetSurface> surfaces;   ///< those that block
+  std::array<double, 12> world_from_mesh;   ///< three rows of four
+  glm::dvec3 largest;                       ///< of |x|, |y|, |z| over positions
+  bool mirrored;                            ///< negative determinant
+  float nearest;                            ///< no point of it is nearer (see BoxRects)
+};
+
+/// Scratch memory, reused from object to object.
+class SheetRasterizer {
+ public:
+  /// Raises `cells` wherever the object surely hides what is behind it. Returns triangles drawn.
+  std::uint32_t draw(const SheetObject& object, const CellView& view,
+                     const glm::dvec3& camera_origin_world, DepthCells& cells);
+  std::size_t bytes() const noexcept;
+
+ private:
+  void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
+  void orient(const SheetObject& object, const CellView& view);
+  void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
+  SheetBlock& sheetBlock(std::uint32_t block);
+  void finish(DepthCells& cells);
+
+  GridSize grid_{};
+  CellVertexError error_;
+  std::vector<CellVertex> vertices_;
+  std::vector<std::int8_t> orientation_;  ///< per triangle: 0 = not part of the sheet
+  std::vector<std::uint32_t> slot_of_block_;
+  std::vector<SheetBlock> blocks_;
+  std::vector<std::uint32_t> touched_;  ///< block of each slot in use
+};
+
+}  // namespace culld

@@ -1,0 +1,60 @@
+// From three projected vertices to the half-planes and the depth plane of coverage_kernels.h, with
+// every rounding error on the safe side. Homogeneous edge functions (Olano, Greer 1997): no
+// clipping, a triangle may reach behind the eye. docs/error-model.md §4 derives each bound used
+// here.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "culling/raster/coverage_kernels.h"
+
+namespace culld {
+
+/// A vertex through CellView's rows.
+struct CellVertex {
+  double u, v, w, n, near_cut, far_cut;
+};
+
+/// Bounds on |computed - true| of each component, for all vertices of one object.
+struct CellVertexError {
+  double u = 0, v = 0, w = 0, n = 0, near_cut = 0, far_cut = 0;
+};
+
+/// One half-plane a * u + b * v + c >= 0 of the image, scaled to |a| + |b| = 1.
+/// True value - computed value is within +- error (cells) everywhere on the grid.
+struct SideLine {
+  double a, b, c, error;
+};
+
+/// A triangle that surely turns one known side to the eye.
+struct ProjectedTriangle {
+  std::array<SideLine, kMaxSides> sides;  ///< edge 0->1, 1->2, 2->0, then the clip cuts it needs
+  std::uint32_t side_count = 3;
+  double depth_a = 0, depth_b = 0, depth_c = 0;  ///< nearness is never less than this plane
+  double depth_floor = 0;                        ///< nor than this
+  /// Cells that the triangle may touch, clamped to the grid; the whole grid if it nears the eye.
+  std::uint32_t cell_x0 = 0, cell_x1 = 0, cell_y0 = 0, cell_y1 = 0;
+  bool on_grid = false;
+};
+
+struct GridSize {
+  double width, height;
+};
+
+/// +1 / -1: sign of the projected area, certain in spite of rounding; 0: not certain, or the
+/// numbers are out of range. COST: about 40 flops.
+int certainOrientation(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                       const CellVertexError& error, const GridSize& grid) noexcept;
+
+/// REQUIRES: certainOrientation(p, q, r, ...) == orientation != 0.
+ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                                  const CellVertexError& error, const GridSize& grid,
+                                  int orientation) noexcept;
+
+/// The triangle as block (block_x, block_y) sees it. `net_edges`: bit e set if edge e is a net edge
+/// of its sheet; clip cuts always are. nullopt: it surely touches no cell of the block.
+std::optional<BlockTriangle> blockTriangle(const ProjectedTriangle& triangle, std::uint32_t block_x,
+                                           std::uint32_t block_y, std::uint32_t net_edges) noexcept;
+
+}  // namespace culld
