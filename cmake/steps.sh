@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # Shared by ./demo and ./check: say what happens, install what is missing. Sourced by bash.
 
 if [ -t 1 ]; then bold=$'\e[1m' green=$'\e[32m' plain=$'\e[0m'; else bold='' green='' plain=''; fi
