@@ -1,0 +1,65 @@
+// Which lanes of a BVH node may a camera see? Planes come from the camera's clip rows, relative to
+// its own origin; nodes are moved to that origin in double precision before anything becomes float.
+// Conservative: a lane is called outside only with a proof (docs/error-model/frustum.md).
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "culling/core/camera.h"
+#include "culling/spatial/frustum_kernels.h"
+#include "culling/spatial/wide_bvh.h"
+
+namespace culld {
+
+/// Bit p: plane p is still to be tested.
+using PlaneMask = std::uint8_t;
+
+struct LaneVerdicts {
+  std::uint32_t may_intersect = 0;  ///< live lanes that are not provably outside
+  PlaneMask tested = 0;
+  std::array<std::uint32_t, kMaxPlanes> inside{};  ///< lanes on the inner side of plane p
+
+  /// Planes that can still cull something below lane l; none: all of it is in the frustum.
+  PlaneMask planesLeft(std::size_t lane) const noexcept {
+    PlaneMask left = 0;
+    for (std::uint32_t p = 0; p < kMaxPlanes; ++p) {
+      const bool done = (inside[p] >> lane & 1U) != 0;
+      if ((tested >> p & 1U) != 0 && !done) left = static_cast<PlaneMask>(left | 1U << p);
+    }
+    return left;
+  }
+};
+
+class FrustumTest {
+ public:
+  /// For the nodes of `bvh`, which must outlive nothing: only its size is looked at.
+  FrustumTest(const Camera& camera, const WideBvh& bvh);
+
+  /// Planes that can cull at all. An infinite far plane, for one, is left out.
+  PlaneMask planes() const noexcept { return static_cast<PlaneMask>((1U << count_) - 1U); }
+
+  /// GUARANTEES: a lane not in may_intersect holds nothing inside the frustum of any pose within
+  /// the camera's motion bound.
+  LaneVerdicts test(const WideNode& node, PlaneMask planes) const noexcept;
+
+  /// The planes as `node` sees them, in the order of the bits of `planes`.
+  NodePlanes forNode(const WideNode& node, PlaneMask planes) const noexcept;
+
+ private:
+  struct Plane {
+    glm::dvec3 normal;  ///< of length 1 up to rounding
+    double distance;
+    std::array<float, 3> normal_float;
+    double tiny_slack;  ///< what the smallest floats cannot express
+  };
+  void add(const glm::dvec4& a, const glm::dvec4& b, double sign, double reach);
+
+  std::array<Plane, kMaxPlanes> planes_;
+  std::uint32_t count_ = 0;
+  glm::dvec3 eye_;
+  double turn_ = 0.0;  ///< 2 sin(a / 2), rounded up
+  double shift_ =
+      0.0;  ///< planes move outwards by this: the motion bound's radius and its share of turn
+};
+
+}  // namespace culld
