@@ -92,6 +92,20 @@ std::string guaranteeName(Guarantee guarantee) {
   return "approximate";
 }
 
+Result<Guarantee> guaranteeNamed(const std::string& name) {
+  for (const Guarantee guarantee :
+       {Guarantee::kConservative, Guarantee::kHole, Guarantee::kSampled, Guarantee::kApproximate}) {
+    if (guaranteeName(guarantee) == name) return guarantee;
+  }
+  return invalidInput("guarantee " + name +
+                      ": not one of conservative, hole, sampled, approximate");
+}
+
+bool satisfies(Guarantee given, Guarantee demanded) noexcept {
+  return given == demanded || given == Guarantee::kConservative ||
+         demanded == Guarantee::kApproximate;
+}
+
 AnswerWriter::AnswerWriter(std::vector<ObjectName> names)
     : names_(std::move(names)), shared_(names_.size(), false) {
   std::vector<std::size_t> by_node(names_.size());

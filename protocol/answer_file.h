@@ -21,6 +21,10 @@ struct ObjectName {
 
 /// "conservative", "hole", "sampled", "approximate".
 std::string guaranteeName(Guarantee guarantee);
+/// The way back. ERROR: `guarantee exact: not one of conservative, hole, sampled, approximate`.
+Result<Guarantee> guaranteeNamed(const std::string& name);
+/// Conservative answers satisfy every demand; who accepts estimates accepts everything.
+bool satisfies(Guarantee given, Guarantee demanded) noexcept;
 
 struct AnswerHeader {
   std::string method;

@@ -87,6 +87,31 @@ TEST(AnswerFile, EscapesWhatAMethodNameMightHold) {
             "\"scene\":{\"objects\":0,\"triangles\":0},\"frames\":[\n\n]}\n");
 }
 
+TEST(AnswerFile, NamesGuaranteesBothWays) {
+  for (const char* name : {"conservative", "hole", "sampled", "approximate"}) {
+    const auto guarantee = guaranteeNamed(name);
+    ASSERT_TRUE(guarantee.ok()) << name;
+    EXPECT_EQ(guaranteeName(guarantee.value()), name);
+  }
+  const auto exact = guaranteeNamed("exact");
+  ASSERT_FALSE(exact.ok());
+  EXPECT_EQ(exact.error().message,
+            "guarantee exact: not one of conservative, hole, sampled, approximate");
+}
+
+TEST(AnswerFile, KnowsWhichGuaranteeSatisfiesWhich) {
+  using enum Guarantee;
+  for (const Guarantee g : {kConservative, kHole, kSampled, kApproximate}) {
+    EXPECT_TRUE(satisfies(g, g));
+    EXPECT_TRUE(satisfies(kConservative, g));
+    EXPECT_TRUE(satisfies(g, kApproximate));
+  }
+  EXPECT_FALSE(satisfies(kHole, kConservative));
+  EXPECT_FALSE(satisfies(kApproximate, kConservative));
+  EXPECT_FALSE(satisfies(kSampled, kHole));
+  EXPECT_FALSE(satisfies(kHole, kSampled));
+}
+
 TEST(AnswerFile, RefusesAnswersThatDoNotFitTheScene) {
   AnswerWriter writer({{1, 0}});
   const std::vector<std::uint32_t> unknown{1};

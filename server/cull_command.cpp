@@ -1,0 +1,222 @@
+#include "server/cull_command.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "culling/core/simd.h"
+#include "culling/culler.h"
+#include "culling/scene/gltf_loader.h"
+#include "protocol/answer_file.h"
+#include "protocol/camera_file.h"
+#include "server/scene.h"
+#include "server/translate.h"
+
+namespace culld::server {
+namespace {
+
+enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kDisk = 74 };
+
+struct Options {
+  std::string scene, cameras, output;
+  std::string method = "auto", guarantee = "conservative", backend = "auto", simd = "auto";
+  protocol::Demand demand;
+  protocol::ImageSize image;
+};
+
+int fail(ExitCode code, const std::string& message) {
+  std::cerr << "culld: " << message << '\n';
+  return code;
+}
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->required();
+  app.add_option("--cameras", o.cameras, "cameras file, a JSON list")->required();
+  app.add_option("--method", o.method, "culling method; auto: the best that fits the scene");
+  app.add_option("--guarantee", o.guarantee, "conservative, hole, sampled or approximate");
+  app.add_option("--hole-px", o.demand.hole_px, "side of the hole accepted, with --guarantee hole");
+  app.add_option("--accept-missed-px", o.demand.accepted_missed_px,
+                 "visible pixels that may be missed");
+  app.add_option("--time-us", o.demand.time_us, "time per camera, in microseconds; 0: no limit");
+  app.add_option("--width", o.image.width_px, "image width, for cameras that do not say");
+  app.add_option("--height", o.image.height_px, "image height, for cameras that do not say");
+  app.add_option("--backend", o.backend, "auto or cpu");
+  app.add_option("--simd", o.simd, "force a SIMD target: auto, sse4, avx2, avx3");
+  app.add_option("-o,--output", o.output, "answers file to write")->required();
+}
+
+Result<Demand> demandOf(const Options& o) {
+  protocol::Demand demand = o.demand;
+  const auto guarantee = protocol::guaranteeNamed(o.guarantee);
+  if (!guarantee) return invalidInput(guarantee.error().message);
+  demand.guarantee = guarantee.value();
+  return toEngine(demand);
+}
+
+Result<void> checkBackend(const std::string& backend) {
+  if (backend == "auto" || backend == "cpu") return Done{};
+  if (backend == "egl-surfaceless" || backend == "osmesa" || backend == "egl-device" ||
+      backend.rfind("egl-device:", 0) == 0) {
+    return invalidInput("backend " + backend + ": this build culls on the CPU only");
+  }
+  return invalidInput("backend " + backend +
+                      ": not one of auto, cpu, egl-device[:n], egl-surfaceless, osmesa");
+}
+
+/// Before a large scene is loaded in vain.
+Result<void> checkMethod(const std::string& name) {
+  if (name == "auto") return Done{};
+  std::string known = "auto";
+  for (const Method* method : engineMethods().methods) {
+    if (method->info().name == name) return Done{};
+    known += ", " + std::string(method->info().name);
+  }
+  return invalidInput("method " + name + ": unknown; there are " + known);
+}
+
+Result<std::vector<Camera>> camerasOf(const Options& o) {
+  const auto read = protocol::readCameraFile(o.cameras, o.image);
+  if (!read) return invalidInput(read.error().message);
+  std::vector<Camera> cameras;
+  for (std::size_t i = 0; i < read.value().size(); ++i) {
+    auto camera = toEngine(read.value()[i]);
+    if (!camera) {
+      std::string what = camera.error().message;
+      if (what.rfind("camera: ", 0) == 0) what.erase(0, 8);
+      return invalidInput(o.cameras + ": camera " + std::to_string(i) + ": " + what);
+    }
+    cameras.push_back(camera.value());
+  }
+  return cameras;
+}
+
+/// A bar on the terminal while a scene loads; silent when stderr is a file or a pipe.
+class LoadingBar {
+ public:
+  explicit LoadingBar(std::string what) : what_(std::move(what)), shown_(isatty(2) == 1) {}
+  ~LoadingBar() {
+    if (percent_ >= 0) std::fputs("\r\033[K", stderr);
+  }
+  void show(std::size_t done, std::size_t total) {
+    constexpr int kWidth = 40;
+    const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
+    if (!shown_ || percent <= percent_) return;
+    percent_ = percent;
+    const auto filled = static_cast<std::size_t>(percent * kWidth / 100);
+    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+    std::fprintf(stderr, "\rloading %s [%s] %3d%%", what_.c_str(), bar.c_str(), percent);
+  }
+
+ private:
+  std::string what_;
+  bool shown_;
+  int percent_ = -1;
+};
+
+Result<SnapshotPtr> load(const std::string& path) {
+  LoadingBar bar(path);
+  LoadOptions options;
+  options.progress = [&bar](std::size_t done, std::size_t total) { bar.show(done, total); };
+  return loadGltfFile(path, options);
+}
+
+std::vector<protocol::ObjectName> namesOf(const SceneSnapshot& scene) {
+  std::vector<protocol::ObjectName> names(scene.objectCount());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Instance& instance = scene.instance(static_cast<ObjectId>(i));
+    names[i] = {instance.node, instance.instance_number};
+  }
+  return names;
+}
+
+protocol::AnswerFrame frameOf(std::size_t camera, const Answer& answer) {
+  protocol::AnswerFrame frame;
+  frame.camera = camera;
+  frame.visible = answer.visible;
+  frame.seen = answer.seen;
+  frame.seconds = std::chrono::duration<double>(answer.stats.time).count();
+  frame.missed_px = answer.missed_px;
+  frame.proven = answer.proven;
+  frame.out_of_budget = answer.out_of_budget;
+  return frame;
+}
+
+/// The cameras one after another, as one client would send them.
+int cullAll(const Options& o, const Demand& demand, const std::vector<Camera>& cameras,
+            const Culler& culler, protocol::AnswerHeader header, const SceneSnapshot& scene) {
+  protocol::AnswerWriter writer(namesOf(scene));
+  ViewState view;
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Answer answer = culler.cull(cameras[i], demand, view);
+    header.guarantee = std::max(header.guarantee, toWire(answer.guarantee));  // the weakest
+    if (!protocol::satisfies(toWire(answer.guarantee), toWire(demand.guarantee))) {
+      return fail(kFailed, o.cameras + ": camera " + std::to_string(i) + ": the answer is " +
+                               std::string(guaranteeName(answer.guarantee)) + ", not " +
+                               o.guarantee);
+    }
+    if (const auto added = writer.add(frameOf(i, answer)); !added) {
+      return fail(kFailed, o.cameras + ": " + added.error().message);
+    }
+  }
+  const auto written = protocol::writeTextFile(o.output, writer.text(header));
+  return written ? kFine : fail(kDisk, written.error().message);
+}
+
+int run(const Options& o) {
+  const auto demand = demandOf(o);
+  if (!demand) return fail(kUsage, demand.error().message);
+  for (const auto& checked :
+       {checkBackend(o.backend), forceSimdTarget(o.simd), checkMethod(o.method)}) {
+    if (!checked) return fail(kUsage, checked.error().message);
+  }
+  const auto cameras = camerasOf(o);
+  if (!cameras) return fail(kUsage, cameras.error().message);
+  const auto scene = load(o.scene);
+  if (!scene) return fail(kUsage, scene.error().message);
+
+  const SceneVersion version(engineMethods(), scene.value(), 1);
+  const auto method = version.method(o.method);
+  if (!method) return fail(kFailed, o.scene + ": " + method.error().message);
+  const MethodInfo info = method.value()->info();
+  const protocol::AnswerHeader header{std::string(info.name), toWire(info.guarantee),
+                                      scene.value()->objectCount(), scene.value()->triangleCount()};
+  if (!protocol::satisfies(header.guarantee, toWire(demand.value().guarantee))) {
+    return fail(kUsage, "method " + header.method + ": gives " +
+                            protocol::guaranteeName(header.guarantee) + " answers, not the " +
+                            o.guarantee + " ones demanded");
+  }
+  const auto culler = version.culler(*method.value());
+  if (!culler) return fail(kFailed, o.scene + ": " + culler.error().message);
+  return cullAll(o, demand.value(), cameras.value(), *culler.value(), header, *scene.value());
+}
+
+}  // namespace
+
+int runCull(std::vector<std::string> arguments) {
+  Options options;
+  CLI::App app("answers a file of cameras on one scene", "culld cull");
+  declare(app, options);
+  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return kFine;
+  } catch (const CLI::ParseError& error) {
+    std::string what = error.what();
+    std::replace(what.begin(), what.end(), '\n', ' ');
+    return fail(kUsage, what);
+  }
+  return run(options);
+}
+
+}  // namespace culld::server
