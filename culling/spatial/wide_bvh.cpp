@@ -1,6 +1,7 @@
 #include "culling/spatial/wide_bvh.h"
 
 #include <limits>
+#include <string>
 
 #include "culling/spatial/outward.h"
 #include "culling/spatial/wide_bvh_fit.h"
@@ -67,6 +68,13 @@ void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept {
   for (std::size_t l = 0; l < kWideLanes; ++l) {
     if (!boxes[l].empty()) node.live |= 1U << l;
   }
+}
+
+Result<void> WideBvh::fits(const SceneSnapshot& scene) {
+  constexpr std::size_t kMaxObjects = 0x7FFFFFFFU;
+  if (scene.objectCount() <= kMaxObjects) return Done{};
+  return Error{ErrorCode::kLimit, "scene has " + std::to_string(scene.objectCount()) +
+                                      " objects: more than " + std::to_string(kMaxObjects)};
 }
 
 void WideBvh::appendObjects(std::uint32_t index, std::vector<ObjectId>& out) const {

@@ -11,6 +11,7 @@
 
 #include "culling/core/box.h"
 #include "culling/core/ids.h"
+#include "culling/core/result.h"
 #include "culling/scene/chunked_array.h"
 #include "culling/scene/scene_snapshot.h"
 
@@ -58,13 +59,16 @@ class WideBvh {
   static constexpr std::uint32_t kRoot = 0;
   static constexpr std::uint32_t kNoLane = 0xFFFFFFFFU;
 
-  /// Deterministic for any number of threads (0: as many as cores). COST: O(n log n); 200 000
-  /// objects take well under 150 ms on two cores (docs/methods/frustum.md).
+  /// ERROR: kLimit: more objects than a ChildRef can name (2^31 - 1).
+  static Result<void> fits(const SceneSnapshot& scene);
+
+  /// REQUIRES: fits(scene). Deterministic for any number of threads (0: as many as cores). COST:
+  /// O(n log n); 200 000 objects take well under 150 ms on two cores (docs/methods/frustum.md).
   static WideBvh build(const SceneSnapshot& scene, std::size_t threads = 0);
 
   /// The tree of the next version of the scene. Shares all chunks that the edits did not touch.
-  /// REQUIRES: `next` came from this tree's snapshot by edits of the objects in `changed`.
-  /// COST: O(changed * depth) plus one pointer per chunk.
+  /// REQUIRES: fits(next); `next` came from this tree's snapshot by edits of the objects in
+  /// `changed`. COST: O(changed * depth) plus one pointer per chunk.
   WideBvh edited(const SceneSnapshot& next, std::span<const ObjectId> changed) const;
 
   /// True if there is no node, not even the root: no object has a lane.
