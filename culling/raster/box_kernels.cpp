@@ -69,7 +69,7 @@ HWY_INLINE hn::Mask<Lanes> InRange(Lanes d, const RangeVec& r) {
 HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high) {
   const Vec o = hn::Set(d, static_cast<float>(origin));
   const Vec lo = hn::LoadU(d, low), hi = hn::LoadU(d, high);
-  return {hn::Add(o, lo), hn::Add(o, hi), hn::Add(hn::Abs(o), hn::Max(hn::Abs(lo), hn::Abs(hi)))};
+  return {hn::Add(o, lo), hn::Add(o, hi), hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)))};
 }
 
 void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
@@ -95,9 +95,12 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
     const Vec nearest = view.perspective ? hn::Mul(hn::Div(hn::Set(d, 1.0F), w_low),
                                                    hn::Set(d, 1.0F + kRelativeError))
                                          : hn::Add(n_max, n.error);
+    // NaN or infinite if any input is.
+    const Vec errors = hn::Add(hn::Add(u.error, v.error), hn::Add(w.error, n.error));
+    const Vec largest = hn::Set(d, kLargest);
+    const auto finite = hn::And(hn::Le(errors, largest), hn::Le(nearest, largest));
     const auto bounded =
-        hn::And(hn::And(InRange(d, x), InRange(d, y)),
-                hn::And(hn::Gt(w_low, zero), hn::Le(nearest, hn::Set(d, kLargest))));
+        hn::And(hn::And(InRange(d, x), InRange(d, y)), hn::And(finite, hn::Gt(w_low, zero)));
     hn::StoreU(hn::IfThenElse(bounded, x.low, zero), d, out.x0.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, x.high, width), d, out.x1.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, y.low, zero), d, out.y0.data() + first);

@@ -62,7 +62,7 @@ void projectBoxesReference(const BoxView& view, const std::array<double, 3>& ori
     for (std::size_t i = 0; i < 3; ++i) {
       const float o = static_cast<float>(origin[i]);
       const float low = offsets[i][lane], high = offsets[i + 3][lane];
-      axis[i] = {o + low, o + high, std::abs(o) + std::max(std::abs(low), std::abs(high))};
+      axis[i] = {o + low, o + high, std::abs(o) + (std::abs(low) + std::abs(high))};
     }
     const RowBounds u = evaluate(view.u, axis), v = evaluate(view.v, axis),
                     w = evaluate(view.w, axis), n = evaluate(view.n, axis);
@@ -75,8 +75,11 @@ void projectBoxesReference(const BoxView& view, const std::array<double, 3>& ori
     const float w_low = w_min - w.error;
     const Range x = quotient(u, w, w_low), y = quotient(v, w, w_low);
     const float nearest = view.perspective ? (1.0F / w_low) * (1.0F + kRelative) : n_max + n.error;
-    const bool bounded = w_low > 0.0F && nearest <= kLargest && x.low >= -kLargest &&
-                         x.high <= kLargest && y.low >= -kLargest && y.high <= kLargest;
+    const float errors =
+        (u.error + v.error) + (w.error + n.error);  // NaN or infinite if any input is
+    const bool bounded = errors <= kLargest && w_low > 0.0F && nearest <= kLargest &&
+                         x.low >= -kLargest && x.high <= kLargest && y.low >= -kLargest &&
+                         y.high <= kLargest;
     out.x0[lane] = bounded ? x.low : 0.0F;
     out.x1[lane] = bounded ? x.high : view.width;
     out.y0[lane] = bounded ? y.low : 0.0F;

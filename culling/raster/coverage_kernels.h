@@ -10,6 +10,10 @@ namespace culld {
 /// At most: three edges and the cuts at the two clip planes.
 inline constexpr std::uint32_t kMaxSides = 5;
 
+/// Where in a cell its sample point lies: off the diagonals and middles where inner edges like to
+/// be.
+inline constexpr double kSampleX = 0.4371, kSampleY = 0.5613;
+
 /// A triangle's half-planes a * i + b * j + c over the cells (i, j) of one block, i and j in [0,
 /// 8), each with three thresholds on its value at the cell's lower corner.
 struct BlockTriangle {

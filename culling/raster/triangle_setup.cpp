@@ -15,7 +15,6 @@ constexpr double kUnit = 0x1p-53;        ///< half an ulp of 1
 constexpr double kMaskMargin = 0x1p-12;  ///< cells; covers the float evaluation of masks (§4.3)
 constexpr double kUsableError = 0.5;     ///< cells; a line known worse than this decides nothing
 constexpr double kTiny = 1e-280;         ///< below this, underflow could exceed the error bounds
-constexpr double kSampleX = 0.4371, kSampleY = 0.5613;  ///< off every regular grid's diagonals
 
 /// Cross product of two vertices: the line through them, unscaled, and bounds on its errors.
 struct RawLine {
