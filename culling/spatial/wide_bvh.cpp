@@ -100,6 +100,14 @@ bool WideBvh::degraded() const noexcept {
   return deepest_insert_ > kTooDeep || used > 2 * (lanes_taken_ / 7) + 64;
 }
 
+std::size_t WideBvh::chunksNotSharedWith(const WideBvh& other) const noexcept {
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < nodes_.chunkCount(); ++c) {
+    if (!nodes_.sharesChunk(c, other.nodes_)) ++count;
+  }
+  return count;
+}
+
 std::size_t WideBvh::bytes() const noexcept {
   return nodes_.bytes() + lane_of_.bytes() + always_kept_.capacity() * sizeof(ObjectId) +
          free_nodes_.capacity() * sizeof(std::uint32_t);

@@ -88,6 +88,8 @@ class WideBvh {
   bool degraded() const noexcept;
   std::size_t editsSinceBuild() const noexcept { return edits_since_build_; }
   std::size_t bytes() const noexcept;
+  /// Chunks of nodes that this tree holds alone: what an edit of `other` has copied.
+  std::size_t chunksNotSharedWith(const WideBvh& other) const noexcept;
 
  private:
   friend class WideBvhBuilder;
