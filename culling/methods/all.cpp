@@ -1,6 +1,7 @@
 // The table of all methods. Explicit: a static library drops objects that register themselves.
 #include "culling/culler.h"
 #include "culling/methods/frustum.h"
+#include "culling/methods/raster.h"
 
 namespace culld {
 
@@ -19,7 +20,7 @@ std::string_view guaranteeName(Guarantee guarantee) noexcept {
 }
 
 std::span<const Method* const> allMethods() noexcept {
-  static const Method* const methods[] = {&frustumMethod()};
+  static const Method* const methods[] = {&frustumMethod(), &rasterMethod()};
   return methods;
 }
 

@@ -1,0 +1,165 @@
+#include "culling/methods/raster_walk.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace culld {
+namespace {
+
+// Choices of what to draw: they cost or save time and never change what an answer promises.
+constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
+constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
+constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+
+bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
+
+std::uint32_t clampCell(float x, std::uint32_t side) {
+  const float top = static_cast<float>(side - 1);
+  return static_cast<std::uint32_t>(std::min(std::max(x, 0.0F), top));  // truncation: x >= 0
+}
+
+CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid) {
+  return {clampCell(rects.x0[lane], grid.width), clampCell(rects.x1[lane], grid.width),
+          clampCell(rects.y0[lane], grid.height), clampCell(rects.y1[lane], grid.height)};
+}
+
+}  // namespace
+
+RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
+                       const Deadline& deadline, RasterMemory& memory)
+    : scene_(scene),
+      bvh_(bvh),
+      deadline_(deadline),
+      memory_(memory),
+      frustum_(camera, bvh),
+      view_(cellView(camera, gridFor(camera))),
+      box_view_(boxView(view_)),
+      origin_world_(camera.origin_world) {
+  memory_.cells.reset(view_.grid);
+  memory_.queue.clear();
+  memory_.candidates.clear();
+}
+
+void RasterWalk::push(const RasterItem& item) {
+  memory_.queue.push_back(item);
+  std::push_heap(memory_.queue.begin(), memory_.queue.end(), fartherFirst);
+}
+
+RasterItem RasterWalk::pop() {
+  std::pop_heap(memory_.queue.begin(), memory_.queue.end(), fartherFirst);
+  const RasterItem item = memory_.queue.back();
+  memory_.queue.pop_back();
+  return item;
+}
+
+void RasterWalk::visitNode(const RasterItem& item) {
+  ++stats_.nodes_visited;
+  const WideNode& node = bvh_.node(item.ref.nodeIndex());
+  const LaneVerdicts verdicts = frustum_.test(node, item.planes);
+  const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
+                                     node.origin[1] - origin_world_.y,
+                                     node.origin[2] - origin_world_.z};
+  BoxRects rects;
+  projectBoxes(box_view_, origin, node.offsets, rects);
+  const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
+  for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const ChildRef child = node.child[lane];
+    if (child.isObject()) ++stats_.tested;
+    if ((on_image >> lane & 1U) == 0) {
+      if (child.isObject()) ++stats_.outside;
+      continue;
+    }
+    const RasterItem below{cellRect(rects, lane, view_.grid), rects.nearest[lane], child,
+                           verdicts.planesLeft(lane)};
+    if (child.isObject()) {
+      takeObject(below);
+    } else if (!hidden(below)) {
+      push(below);
+    }
+  }
+}
+
+void RasterWalk::takeObject(const RasterItem& item) {
+  if (hidden(item)) {
+    ++stats_.occluded;
+  } else if (worthDrawing(item)) {
+    push(item);
+  } else {
+    memory_.candidates.push_back(item);
+  }
+}
+
+bool RasterWalk::worthDrawing(const RasterItem& item) const {
+  const std::uint64_t width = item.rect.x1 - item.rect.x0 + 1;
+  const std::uint64_t height = item.rect.y1 - item.rect.y0 + 1;
+  if (width < kLeastOccluderSide || height < kLeastOccluderSide) return false;
+  const Mesh& mesh = scene_.mesh(scene_.instance(item.ref.objectId()).mesh);
+  std::uint64_t triangles = 0;
+  for (const Surface& surface : mesh.surfaces) {
+    if (surface.blocks) triangles += surface.triangle_count;
+  }
+  return triangles != 0 && triangles <= kTrianglesPerCell * width * height;
+}
+
+void RasterWalk::drawObject(const RasterItem& item) {
+  const Instance& instance = scene_.instance(item.ref.objectId());
+  const Mesh& mesh = scene_.mesh(instance.mesh);
+  memory_.surfaces.clear();
+  for (const Surface& s : mesh.surfaces) {
+    if (s.blocks) memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
+  }
+  const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
+  const SheetObject object{
+      mesh.positions,           mesh.triangles, mesh.partners,     memory_.surfaces,
+      instance.world_from_mesh, largest,        instance.mirrored, item.nearest};
+  stats_.triangles_drawn += memory_.sheets.draw(object, view_, origin_world_, memory_.cells);
+  ++stats_.occluders_drawn;
+}
+
+void RasterWalk::keepTheRest(Answer& answer) {
+  for (const RasterItem& item : memory_.queue) {
+    if (item.ref.isObject()) {
+      answer.visible.push_back(item.ref.objectId());
+    } else {
+      bvh_.appendObjects(item.ref.nodeIndex(), answer.visible);
+    }
+  }
+  for (const RasterItem& item : memory_.candidates) answer.visible.push_back(item.ref.objectId());
+  answer.out_of_budget = true;
+}
+
+void RasterWalk::run(Answer& answer) {
+  if (!bvh_.empty()) {
+    const CellRect everything{0, view_.grid.width - 1, 0, view_.grid.height - 1};
+    push({everything, std::numeric_limits<float>::infinity(), ChildRef::node(WideBvh::kRoot),
+          frustum_.planes()});
+  }
+  for (std::uint32_t taken = 0; !memory_.queue.empty(); ++taken) {
+    if (taken % kItemsPerLook == 0 && deadline_.passed()) {
+      keepTheRest(answer);
+      answer.stats = stats_;
+      return;
+    }
+    const RasterItem item = pop();
+    if (hidden(item)) {
+      if (item.ref.isObject()) ++stats_.occluded;
+    } else if (item.ref.isNode()) {
+      visitNode(item);
+    } else {
+      memory_.candidates.push_back(item);
+      drawObject(item);
+    }
+  }
+  for (const RasterItem& item : memory_.candidates) {
+    if (hidden(item)) {
+      ++stats_.occluded;
+    } else {
+      answer.visible.push_back(item.ref.objectId());
+    }
+  }
+  answer.stats = stats_;
+}
+
+}  // namespace culld

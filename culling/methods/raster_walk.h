@@ -1,0 +1,66 @@
+// One frame of method `raster`: nearest first through the BVH, hidden nodes ended early, objects
+// that are worth it drawn as occluders, and everything not hidden tested once more at the end.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "culling/culler.h"
+#include "culling/raster/box_kernels.h"
+#include "culling/raster/cell_view.h"
+#include "culling/raster/depth_cells.h"
+#include "culling/raster/sheet.h"
+#include "culling/spatial/frustum_test.h"
+#include "culling/spatial/frustum_walk.h"
+#include "culling/spatial/wide_bvh.h"
+
+namespace culld {
+
+/// A node or an object on its way through the walk.
+struct RasterItem {
+  CellRect rect;
+  float nearest;
+  ChildRef ref;
+  PlaneMask planes;  ///< still to be tested below a node
+};
+
+/// Buffers kept from frame to frame for their memory only: nothing in them is read again.
+struct RasterMemory final : ViewState::Memory {
+  DepthCells cells;
+  SheetRasterizer sheets;
+  std::vector<RasterItem> queue;       ///< a heap, nearest on top
+  std::vector<RasterItem> candidates;  ///< objects not hidden by what was drawn before them
+  std::vector<SheetSurface> surfaces;
+};
+
+class RasterWalk {
+ public:
+  RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
+             const Deadline& deadline, RasterMemory& memory);
+
+  /// Appends the objects not proven hidden to answer.visible, in no particular order.
+  void run(Answer& answer);
+
+ private:
+  void visitNode(const RasterItem& item);
+  void takeObject(const RasterItem& item);
+  bool worthDrawing(const RasterItem& item) const;
+  void drawObject(const RasterItem& item);
+  void keepTheRest(Answer& answer);
+  void push(const RasterItem& item);
+  RasterItem pop();
+  bool hidden(const RasterItem& item) const {
+    return memory_.cells.certainlyHidden(item.rect, item.nearest);
+  }
+
+  const SceneSnapshot& scene_;
+  const WideBvh& bvh_;
+  const Deadline& deadline_;
+  RasterMemory& memory_;
+  FrustumTest frustum_;
+  CellView view_;
+  BoxView box_view_;
+  glm::dvec3 origin_world_;
+  CullStats stats_;
+};
+
+}  // namespace culld
