@@ -1,4 +1,4 @@
-// glTF 2.0 (.glb, .gltf) into a snapshot. Only gltf_loader.cpp sees tinygltf.
+// glTF 2.0 (.glb, .gltf) into a snapshot. docs/scenes.md says what is read.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace culld {
 struct LoadLimits {
   std::uint64_t max_file_bytes = std::uint64_t{4} << 30;  ///< external buffers included
   std::uint64_t max_objects = 16'000'000;
-  std::uint64_t max_vertices = 1'000'000'000;   ///< over all meshes, decoded
+  std::uint64_t max_vertices = 1'000'000'000;  ///< over all meshes, decoded
   std::uint64_t max_decoded_bytes = std::uint64_t{16} << 30;
 };
 
