@@ -126,6 +126,7 @@ void ElementReader::applySparse(const DataSource& data, const Accessor& accessor
   const std::size_t index_bytes = bytesOf(sparse.indices_component);
   checkFits(indices, sparse.indices_offset, index_bytes, sparse.count, index_bytes, place);
   checkFits(values, sparse.values_offset, element, sparse.count, element, place);
+  std::uint64_t next = 0;
   for (std::uint64_t i = 0; i < sparse.count; ++i) {
     const std::uint32_t target = loadUnsigned(
         indices.data() + sparse.indices_offset + i * index_bytes, sparse.indices_component);
@@ -133,6 +134,8 @@ void ElementReader::applySparse(const DataSource& data, const Accessor& accessor
       fail(place, "sparse index " + std::to_string(target) + " >= " + std::to_string(count_) +
                       " elements");
     }
+    if (target < next) fail(place, "sparse indices do not increase");
+    next = std::uint64_t{target} + 1;
     std::memcpy(dense_.data() + target * element,
                 values.data() + sparse.values_offset + i * element, element);
   }

@@ -15,7 +15,7 @@ void checkAsset(const JsonView& root) {
   if (!asset.isObject()) fail("asset", "is missing");
   const JsonView version = asset["version"];
   if (!version) fail("asset", "version is missing");
-  const Place place{"asset", 0};
+  const Place place{"asset"};
   if (!isMajorTwo(version.asText(place, "version"))) fail("asset", "version is not 2.x");
   if (asset["minVersion"] && asset.text(place, "minVersion") != "2.0") {
     fail(ErrorCode::kUnsupported, "asset: minVersion is not 2.0");
@@ -23,7 +23,7 @@ void checkAsset(const JsonView& root) {
 }
 
 void checkExtensions(const JsonView& root) {
-  const Place place{"extensionsRequired", 0};
+  const Place place{"extensionsRequired"};
   const JsonView list = root["extensionsRequired"];
   if (list && !list.isArray()) fail("extensionsRequired", "is not an array");
   std::vector<std::string> names;

@@ -1,5 +1,5 @@
 // What culld needs of a glTF file, as plain structs: every index is in range, every number checked.
-// Names, textures, images, cameras, lights and animations are not read.
+// Names, textures, images, cameras and lights are not read.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -114,7 +114,9 @@ struct Node {
   std::uint32_t mesh = kNone;
   std::uint32_t first_child = 0, child_count = 0;  ///< in Document::children
   std::uint32_t instancing = kNone;                ///< in Document::instancings
-  bool skinned = false;
+  /// Skinned, animated, switched off or with other levels of detail: what a viewer shows may differ
+  /// from the file at rest, here and in all children.
+  bool restless = false;
 };
 
 struct Document {

@@ -1,5 +1,5 @@
 // Nodes and scenes: who stands where. Transforms are kept in double.
-#include <algorithm>
+#include <string_view>
 
 #include "culling/scene/gltf_document.h"
 
@@ -54,13 +54,20 @@ std::uint32_t readInstancing(const JsonView& item, const Place& place, Document&
   return static_cast<std::uint32_t>(document.instancings.size() - 1);
 }
 
+/// A viewer may show something else here than what the file says at rest.
+bool mayChange(const JsonView& item, const Place& place) {
+  const JsonView extensions = item.object(place, "extensions");
+  const JsonView visibility = extensions.object(place, "KHR_node_visibility");
+  return !visibility.flagOr(place, "visible", true) || extensions["MSFT_lod"];
+}
+
 Node readNode(const JsonView& item, const Place& place, std::size_t node_count,
               std::size_t skin_count, Document& document) {
   if (!item.isObject()) fail(place, "is not an object");
   Node node;
   node.parent_from_node = readTransform(item, place);
   node.mesh = item.index(place, "mesh", document.meshes.size(), "meshes");
-  node.skinned = item.index(place, "skin", skin_count, "skins") != kNone;
+  node.restless = item.index(place, "skin", skin_count, "skins") != kNone || mayChange(item, place);
   node.instancing = readInstancing(item, place, document);
   const JsonView children = item.array(place, "children");
   node.first_child = static_cast<std::uint32_t>(document.children.size());
@@ -89,7 +96,7 @@ std::vector<std::uint32_t> defaultRoots(const JsonView& root, const Document& do
   std::uint32_t scene = 0;
   if (chosen) {
     if (scenes.size() == 0) fail("scene", "chosen, but there are no scenes");
-    scene = chosen.asIndex({"default", 0}, "scene", scenes.size(), "scenes");
+    scene = chosen.asIndex({"default scene"}, "scene", scenes.size(), "scenes");
   }
   if (scenes.size() == 0) return nodesWithoutParent(document);
   const Place place{"scene", scene};
@@ -100,6 +107,35 @@ std::vector<std::uint32_t> defaultRoots(const JsonView& root, const Document& do
     roots.push_back(nodes.at(i).asIndex(place, "node", document.nodes.size(), "nodes"));
   }
   return roots;
+}
+
+/// The node that "/nodes/7/translation" (KHR_animation_pointer) names, or kNone.
+std::uint32_t nodeOfPointer(const std::string& pointer, std::size_t node_count) {
+  constexpr std::string_view kNodes = "/nodes/";
+  if (!pointer.starts_with(kNodes)) return kNone;
+  std::uint64_t n = 0;
+  for (std::size_t i = kNodes.size(); i < pointer.size() && pointer[i] != '/'; ++i) {
+    if (pointer[i] < '0' || pointer[i] > '9' || n >= node_count) return kNone;
+    n = 10 * n + static_cast<std::uint64_t>(pointer[i] - '0');
+  }
+  return n < node_count ? static_cast<std::uint32_t>(n) : kNone;
+}
+
+/// Nodes that an animation moves have no bounds that hold.
+void markAnimated(const JsonView& root, Document& document) {
+  const JsonView animations = root.array({"animations"}, "animations");
+  for (std::size_t a = 0; a < animations.size(); ++a) {
+    const Place place{"animation", a};
+    const JsonView channels = animations.at(a).array(place, "channels");
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      const JsonView target = channels.at(c).object(place, "target");
+      std::uint32_t node = target.index(place, "node", document.nodes.size(), "nodes");
+      const JsonView pointer =
+          target.object(place, "extensions").object(place, "KHR_animation_pointer");
+      if (pointer) node = nodeOfPointer(pointer.text(place, "pointer"), document.nodes.size());
+      if (node != kNone) document.nodes[node].restless = true;
+    }
+  }
 }
 
 }  // namespace
@@ -140,6 +176,7 @@ void readNodes(const JsonView& root, Document& document) {
     document.nodes.push_back(
         readNode(nodes.at(i), {"node", i}, nodes.size(), skins.size(), document));
   }
+  markAnimated(root, document);
   document.roots = defaultRoots(root, document);
 }
 

@@ -13,7 +13,8 @@ constexpr std::string_view kRead[] = {
     "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",
     "KHR_draco_mesh_compression", "KHR_materials_diffuse_transmission",
     "KHR_materials_transmission", "KHR_materials_variants",
-    "KHR_mesh_quantization",
+    "KHR_mesh_quantization",      "KHR_animation_pointer",
+    "KHR_node_visibility",
 };
 
 /// They change colours, textures, lights or notes: never where geometry is or what it hides.
@@ -35,7 +36,6 @@ constexpr std::string_view kHarmless[] = {
     "KHR_materials_specular",
     "KHR_materials_unlit",
     "KHR_materials_volume",
-    "KHR_techniques_webgl",
     "KHR_texture_basisu",
     "KHR_texture_transform",
     "KHR_xmp",

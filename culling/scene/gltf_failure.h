@@ -20,18 +20,22 @@ class LoadFailure : public std::exception {
   Error error_;
 };
 
-/// Where in the file: "mesh 3 primitive 1". Cheap to pass; the text is made only when it is needed.
+/// Where in the file: "mesh 3 primitive 1", or "asset" alone. Cheap to pass; the text is made only
+/// when it is needed.
 struct Place {
+  static constexpr std::uint64_t kAlone = ~std::uint64_t{0};
   const char* kind = "";
-  std::uint64_t index = 0;
+  std::uint64_t index = kAlone;
   const char* inner_kind = nullptr;
   std::uint64_t inner_index = 0;
 
   std::string text() const {
-    std::string s = std::string(kind) + " " + std::to_string(index);
-    if (inner_kind != nullptr)
-      s += std::string(" ") + inner_kind + " " + std::to_string(inner_index);
-    return s;
+    std::string line = kind;
+    if (index != kAlone) line.append(" ").append(std::to_string(index));
+    if (inner_kind != nullptr) {
+      line.append(" ").append(inner_kind).append(" ").append(std::to_string(inner_index));
+    }
+    return line;
   }
 };
 

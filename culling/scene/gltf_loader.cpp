@@ -112,39 +112,41 @@ class MeshTable {
   MeshTable(const Document& document, const Plan& plan, std::vector<Mesh> meshes,
             SceneBuilder& builder)
       : builder_(builder),
+        document_(document),
         meshes_(document.meshes.size()),
         ids_(2 * document.meshes.size(), kNone),
         wanted_(2 * document.meshes.size()) {
-    for (const PlacedNode& p : plan.placed) wanted_[slotOf(document.nodes[p.node])] = true;
+    for (const PlacedNode& p : plan.placed) wanted_[slotOf(document, p)] = true;
     for (std::size_t i = 0; i < meshes.size(); ++i) meshes_[plan.meshes[i]] = std::move(meshes[i]);
   }
 
-  MeshId idFor(const Node& node) {
-    const std::size_t slot = slotOf(node);
-    if (ids_[slot] == kNone) ids_[slot] = builder_.addMesh(take(node, slot));
+  MeshId idFor(const PlacedNode& placed) {
+    const std::size_t slot = slotOf(document_, placed);
+    if (ids_[slot] == kNone) ids_[slot] = builder_.addMesh(take(slot));
     return ids_[slot];
   }
 
  private:
-  /// A mesh that skinned nodes use is another one than the same mesh standing still.
-  static std::size_t slotOf(const Node& node) {
-    return 2 * std::size_t{node.mesh} + (node.skinned ? 1 : 0);
+  /// A mesh that restless nodes use is another one than the same mesh standing still.
+  static std::size_t slotOf(const Document& document, const PlacedNode& placed) {
+    return 2 * std::size_t{document.nodes[placed.node].mesh} + (placed.restless ? 1 : 0);
   }
 
-  Mesh take(const Node& node, std::size_t slot) {
-    Mesh& stored = meshes_[node.mesh];
+  Mesh take(std::size_t slot) {
+    const std::size_t number = slot / 2;
+    const bool restless = slot % 2 != 0;
     const bool other_wants_it = wanted_[slot ^ 1U] && ids_[slot ^ 1U] == kNone;
-    Mesh mesh = other_wants_it ? stored : std::move(stored);
-    if (mesh.non_finite_vertices > 0 && !node.skinned) {
-      builder_.warn(Place{"mesh", node.mesh}.text() + ": " +
-                    std::to_string(mesh.non_finite_vertices) +
+    Mesh mesh = other_wants_it ? meshes_[number] : std::move(meshes_[number]);
+    if (mesh.non_finite_vertices > 0 && !restless) {
+      builder_.warn(Place{"mesh", number}.text() + ": " + std::to_string(mesh.non_finite_vertices) +
                     " non-finite vertices; its objects are always kept");
     }
-    mesh.unbounded = mesh.unbounded || node.skinned;
+    mesh.unbounded = mesh.unbounded || restless;
     return mesh;
   }
 
   SceneBuilder& builder_;
+  const Document& document_;
   std::vector<Mesh> meshes_;
   std::vector<std::uint32_t> ids_;
   std::vector<bool> wanted_;
@@ -211,7 +213,7 @@ SnapshotPtr importScene(std::span<const std::byte> bytes, const std::optional<st
                    builder);
   for (const PlacedNode& placed : plan.placed) {
     const Node& node = document.nodes[placed.node];
-    const MeshId mesh = meshes.idFor(node);
+    const MeshId mesh = meshes.idFor(placed);
     if (node.instancing == kNone) {
       builder.addInstance(mesh, placed.world_from_node, placed.node);
     } else {

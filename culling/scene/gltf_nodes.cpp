@@ -63,7 +63,8 @@ std::vector<PlacedNode> placeNodes(const Document& document) {
   std::vector<PlacedNode> placed;
   std::vector<PlacedNode> open;
   for (const std::uint32_t root : document.roots) {
-    open.push_back({root, document.nodes[root].parent_from_node});
+    const Node& node = document.nodes[root];
+    open.push_back({root, node.parent_from_node, node.restless});
   }
   while (!open.empty()) {
     const PlacedNode here = open.back();
@@ -72,8 +73,9 @@ std::vector<PlacedNode> placeNodes(const Document& document) {
     if (node.mesh != kNone) placed.push_back(here);
     for (std::uint32_t c = 0; c < node.child_count; ++c) {
       const std::uint32_t child = document.children[node.first_child + c];
-      open.push_back(
-          {child, multiply(here.world_from_node, document.nodes[child].parent_from_node)});
+      const Node& below = document.nodes[child];
+      open.push_back({child, multiply(here.world_from_node, below.parent_from_node),
+                      here.restless || below.restless});
     }
   }
   std::sort(placed.begin(), placed.end(),

@@ -10,6 +10,7 @@ namespace culld::gltf {
 struct PlacedNode {
   std::uint32_t node = 0;
   Affine world_from_node{};
+  bool restless = false;  ///< the node or one above it
 };
 
 /// Nodes of the default scene that carry a mesh, in the order of their numbers.
