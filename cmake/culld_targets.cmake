@@ -19,10 +19,12 @@ if(CULLD_FUZZ)  # the rooms tell libFuzzer which of their branches ran
 endif()
 
 # culld_room(NAME SOURCES a.cpp ... DEPS culld_core ... SYSTEM hwy::hwy ...)
+# BUILD_INTERFACE: who links an installed room gets neither our warnings nor our libraries' packages.
 function(culld_room name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;SYSTEM" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_link_libraries(${name} PUBLIC culld_flags ${ARG_DEPS} PRIVATE ${ARG_SYSTEM})
+  list(TRANSFORM ARG_SYSTEM REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:culld_flags> ${ARG_DEPS} PRIVATE ${ARG_SYSTEM})
 endfunction()
 
 # culld_program(NAME SOURCES main.cpp ... DEPS ... SYSTEM ...): a binary in bin/.
