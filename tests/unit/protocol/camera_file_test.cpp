@@ -17,9 +17,19 @@ constexpr const char* kGood =
 
 std::string lookAt(const std::string& zfar = "null") { return kGood + zfar + "}"; }
 
+std::string list(const std::string& items) {
+  std::string text = "[";
+  text += items;
+  text += ']';
+  return text;
+}
+
 std::string numbers(int count) {
   std::string text = "[";
-  for (int i = 0; i < count; ++i) text += (i == 0 ? "" : ",") + std::to_string(i);
+  for (int i = 0; i < count; ++i) {
+    if (i > 0) text += ',';
+    text += std::to_string(i);
+  }
   return text + "]";
 }
 
@@ -29,7 +39,7 @@ std::string errorOf(const std::string& text) {
 }
 
 TEST(CameraFile, ReadsALookAtPose) {
-  const auto cameras = parseCameras("[" + lookAt("100") + "]", "c.json");
+  const auto cameras = parseCameras(list(lookAt("100")), "c.json");
   ASSERT_TRUE(cameras.ok()) << cameras.error().message;
   ASSERT_EQ(cameras.value().size(), 1U);
   Camera expected;
@@ -49,7 +59,7 @@ TEST(CameraFile, TakesNullOrNoFarPlaneAsInfinite) {
   std::string without = lookAt();
   without.erase(without.find(",\"zfar\":null"), 12);
   for (const std::string& text : {lookAt(), without}) {
-    const auto cameras = parseCameras("[" + text + "]", "c.json");
+    const auto cameras = parseCameras(list(text), "c.json");
     ASSERT_TRUE(cameras.ok()) << cameras.error().message;
     EXPECT_FALSE(std::get<LookAt>(cameras.value()[0].pose).zfar_m.has_value());
   }
@@ -69,7 +79,7 @@ TEST(CameraFile, ReadsMatricesInFileOrder) {
 TEST(CameraFile, ReadsMotionBoundAndImageSizeAndSkipsNotes) {
   std::string text = lookAt();
   text.insert(1, R"("radius":0.5,"angle":0.25,"width":640,"height":480,"note":[{"a":[]},1,null],)");
-  const auto cameras = parseCameras("[" + text + "," + lookAt() + "]", "c.json", {1920, 1080});
+  const auto cameras = parseCameras(list(text + "," + lookAt()), "c.json", {1920, 1080});
   ASSERT_TRUE(cameras.ok()) << cameras.error().message;
   const Camera& first = cameras.value()[0];
   EXPECT_EQ(first.radius_m, 0.5);
@@ -92,7 +102,7 @@ struct Wrong {
 std::string with(const std::string& from, const std::string& to) {
   std::string text = lookAt();
   const auto at = text.find(from);
-  return "[" + lookAt() + "," + text.replace(at, from.size(), to) + "]";
+  return list(lookAt() + "," + text.replace(at, from.size(), to));
 }
 
 TEST(CameraFile, NamesCameraAndFieldOfWhatIsWrong) {
@@ -165,7 +175,10 @@ TEST(CameraFile, RefusesTextMadeToExhaustMemoryOrStack) {
   for (int i = 0; i < 100'000; ++i) objects += "{\"a\":";
   EXPECT_EQ(errorOf(objects), "c.json: camera 0: nested deeper than 64 levels");
   std::string many = "[";
-  for (std::size_t i = 0; i <= kMaxFileCameras; ++i) many += (i == 0 ? "" : ",") + lookAt();
+  for (std::size_t i = 0; i <= kMaxFileCameras; ++i) {
+    if (i > 0) many += ',';
+    many += lookAt();
+  }
   EXPECT_EQ(errorOf(many + "]"), "c.json: more than 100000 cameras");
 }
 
