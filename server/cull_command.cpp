@@ -21,8 +21,13 @@
 #include "server/scene.h"
 #include "server/translate.h"
 
-namespace culld::server {
+namespace culld {
 namespace {
+
+using server::engineMethods;
+using server::SceneVersion;
+using server::toEngine;
+using server::toWire;
 
 enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kDisk = 74 };
 
@@ -219,4 +224,4 @@ int runCull(std::vector<std::string> arguments) {
   return run(options);
 }
 
-}  // namespace culld::server
+}  // namespace culld
