@@ -1,12 +1,15 @@
 #include "culling/oracle/aim.h"
 
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 namespace culld::oracle {
 namespace {
 
 constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;
+constexpr std::array<double, 4> kBesidePx = {0.3, 0.03, 0.01, 0.001};
 constexpr double kNudge = 0.01;  // barycentric, inward from a corner or an edge
 
 std::uint64_t mixed(std::uint64_t z) {
@@ -68,6 +71,25 @@ std::optional<Ray> aimAt(const RayView& view, const RayView::Placed& placed, std
     if (front == mesh.frontIsClockwise()) return std::nullopt;
   }
   return aimed->ray;
+}
+
+std::optional<Ray> aimBeside(const RayView& view, const RayView::Placed& placed,
+                             const glm::dvec2& pixel_ndc, Random& random) {
+  const RayMesh& mesh = *placed.mesh;
+  const auto triangle =
+      static_cast<std::uint32_t>(random.unit() * static_cast<double>(mesh.triangleCount()));
+  const Triangle corners = mesh.triangle(triangle);
+  const std::size_t from = random.next() % 3;
+  // Half of the places are corners: a hole has more of them near than of its short edges.
+  const double along = random.next() % 2 == 0 ? 0.0 : random.unit();
+  const glm::dvec3 in_mesh = corners[from] * (1.0 - along) + corners[(from + 1) % 3] * along;
+  const auto place = view.rays().imageOf(placed.world_from_mesh * in_mesh + placed.centre);
+  if (!place) return std::nullopt;
+  const double pixels = kBesidePx[random.next() % kBesidePx.size()];
+  const double turn = random.unit() * 2.0 * std::numbers::pi;
+  const glm::dvec2 aside = *place + pixels * pixel_ndc * glm::dvec2(std::cos(turn), std::sin(turn));
+  if (!(std::abs(aside.x) < 1.0 && std::abs(aside.y) < 1.0)) return std::nullopt;
+  return view.rays().through(aside.x, aside.y);
 }
 
 }  // namespace culld::oracle

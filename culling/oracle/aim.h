@@ -1,7 +1,8 @@
-// Where to aim at an object that no ray has met yet: random points of its triangles, and points
-// just inside of corners and edges, where things peep out from behind others.
+// Where to aim the rays that look for what no sample has met: at random points of an unseen object,
+// just inside of its corners and edges, and just past the edges of what is seen in front of it.
 #pragma once
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <optional>
 
 #include "culling/oracle/ray_scene.h"
@@ -24,5 +25,10 @@ class Random {
 /// the side of a triangle that is never seen.
 std::optional<Ray> aimAt(const RayView& view, const RayView::Placed& placed, std::uint32_t number,
                          Random& random);
+
+/// A ray that passes an edge or a corner of the object by a fraction of a pixel: through the gaps
+/// and holes that it borders. None if that place is outside of the image.
+std::optional<Ray> aimBeside(const RayView& view, const RayView::Placed& placed,
+                             const glm::dvec2& pixel_ndc, Random& random);
 
 }  // namespace culld::oracle

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
 
 #include "culling/core/parallel.h"
 #include "culling/oracle/aim.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kObjectsPerPart = 64;
 // behind.
 constexpr std::uint32_t kDrawsPerRay = 4;
 // What the random numbers are for.
-constexpr std::uint64_t kForSamples = 1, kForAiming = 2;
+constexpr std::uint64_t kForSamples = 1, kForBeside = 2, kForAiming = 3;
 
 std::size_t partsOf(std::size_t count, std::size_t size) { return (count + size - 1) / size; }
 
@@ -59,6 +60,7 @@ class Look {
       : view_(view),
         options_(options),
         lattice_(camera, options),
+        pixel_ndc_(2.0 / camera.width_px, 2.0 / camera.height_px),
         samples_(view.objects().size()),
         state_(view.objects().size()) {}
 
@@ -71,12 +73,14 @@ class Look {
 
   void sampleRow(std::size_t row, Hits& hits);
   void aimAtObject(std::uint32_t index, std::uint32_t first_ray, Hits& hits);
+  void aimBesideObject(std::uint32_t index, std::uint32_t first_ray, Hits& hits);
   void remember(const Hits& hits);
   void raise(std::uint32_t index, State to);
 
   const RayView& view_;
   const OracleOptions& options_;
   Lattice lattice_;
+  glm::dvec2 pixel_ndc_;
   std::vector<std::atomic<std::uint32_t>> samples_;
   std::vector<std::atomic<std::uint8_t>> state_;
   std::atomic<std::uint64_t> rays_{0};
@@ -127,7 +131,7 @@ void Look::sample() {
 
 void Look::aimAtObject(std::uint32_t index, std::uint32_t first_ray, Hits& hits) {
   const RayView::Placed& placed = view_.objects()[index];
-  Random random(options_.seed, kForAiming + first_ray, placed.object);
+  Random random(options_.seed, kForAiming + 2U * first_ray, placed.object);
   const std::uint32_t end = std::min(first_ray + kAimedRaysPerRound, options_.rays_per_object);
   std::uint64_t cast = 0;
   for (std::uint32_t number = first_ray; number < end; ++number) {
@@ -143,27 +147,42 @@ void Look::aimAtObject(std::uint32_t index, std::uint32_t first_ray, Hits& hits)
   rays_ += cast;
 }
 
+void Look::aimBesideObject(std::uint32_t index, std::uint32_t first_ray, Hits& hits) {
+  const RayView::Placed& placed = view_.objects()[index];
+  Random random(options_.seed, kForBeside + 2U * first_ray, placed.object);
+  std::uint64_t cast = 0;
+  for (std::uint32_t draw = 0; draw < kDrawsPerRay * kAimedRaysPerRound; ++draw) {
+    const auto ray = oracle::aimBeside(view_, placed, pixel_ndc_, random);
+    if (!ray) continue;
+    view_.trace(*ray, hits);
+    remember(hits);
+    ++cast;
+  }
+  rays_ += cast;
+}
+
 void Look::aim() {
   // By rounds: who is aimed at depends on whole rounds only, not on which thread was first.
   for (std::uint32_t ray = 0; ray < options_.rays_per_object; ray += kAimedRaysPerRound) {
-    std::vector<std::uint32_t> unseen;
-    for (std::uint32_t i = 0; i < state_.size(); ++i) {
-      if (state_[i] != kSeen) unseen.push_back(i);
-    }
-    if (unseen.empty()) return;
+    const std::vector<std::uint8_t> before(state_.begin(), state_.end());
+    const auto tried = static_cast<std::size_t>(
+        std::count_if(before.begin(), before.end(), [](std::uint8_t s) { return s != kSeen; }));
+    if (tried == 0) return;
     parallelFor(
-        partsOf(unseen.size(), kObjectsPerPart),
+        partsOf(before.size(), kObjectsPerPart),
         [&](std::size_t part) {
           Hits hits;
-          const std::size_t end = std::min(unseen.size(), (part + 1) * kObjectsPerPart);
+          const std::size_t end = std::min(before.size(), (part + 1) * kObjectsPerPart);
           for (std::size_t i = part * kObjectsPerPart; i < end; ++i) {
-            aimAtObject(unseen[i], ray, hits);
+            const auto index = static_cast<std::uint32_t>(i);
+            before[i] == kSeen ? aimBesideObject(index, ray, hits) : aimAtObject(index, ray, hits);
           }
         },
         options_.threads);
-    last_tried_ = unseen.size();
-    last_found_ = static_cast<std::size_t>(std::count_if(
-        unseen.begin(), unseen.end(), [this](std::uint32_t i) { return state_[i] == kSeen; }));
+    last_tried_ = tried;
+    last_found_ =
+        tried - static_cast<std::size_t>(std::count_if(state_.begin(), state_.end(),
+                                                       [](const auto& s) { return s != kSeen; }));
   }
 }
 

@@ -92,6 +92,12 @@ std::optional<ViewRays::Aimed> ViewRays::at(const glm::dvec3& point) const {
   return Aimed{*ray, t};
 }
 
+std::optional<glm::dvec2> ViewRays::imageOf(const glm::dvec3& point) const {
+  const double w = valueAt(w_row_, point);
+  if (!(w > 0.0)) return std::nullopt;
+  return glm::dvec2(valueAt(x_row_, point), valueAt(y_row_, point)) / w;
+}
+
 bool ViewRays::outside(const glm::dvec3& centre, const std::array<glm::dvec3, 3>& axes) const {
   return std::any_of(planes_.begin(), planes_.end(), [&](const glm::dvec4& plane) {
     const glm::dvec3 normal(plane);

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
@@ -32,6 +33,8 @@ class ViewRays {
   };
   /// None unless the point is inside the open frustum.
   std::optional<Aimed> at(const glm::dvec3& point) const;
+  /// Normalized device coordinates. None behind the eye. Depth is not looked at.
+  std::optional<glm::dvec2> imageOf(const glm::dvec3& point) const;
   /// True if no point centre + sum of s_i * axes[i], |s_i| <= 1, is inside. Doubt (NaN) gives
   /// false.
   bool outside(const glm::dvec3& centre, const std::array<glm::dvec3, 3>& axes) const;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "culling/oracle/ray_scene.h"
+#include "tests/scenes/random_scene.h"
 #include "tests/unit/oracle/brute_tracer.h"
 #include "tests/unit/oracle/small_scenes.h"
 
@@ -106,9 +107,7 @@ void compare(const std::vector<BruteHit>& truth, const oracle::RayView& view,
   }
 }
 
-Compared compareScene(std::uint64_t seed, const glm::dvec3& around) {
-  const SnapshotPtr snapshot = randomScene(seed, around);
-  const Camera camera = randomCamera(seed, around);
+Compared compareScene(const SnapshotPtr& snapshot, const Camera& camera, std::uint64_t seed) {
   const auto scene = oracle::RayScene::build(snapshot);
   const auto view = oracle::RayView::build(*scene.value(), camera);
   std::mt19937_64 random(seed);
@@ -129,10 +128,27 @@ TEST_P(TraceTest, AgreesWithATracerOfAnotherKindOnRandomScenes) {
   const glm::dvec3 around(GetParam(), -GetParam(), 0.5 * GetParam());
   std::size_t agreed = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    const Compared result = compareScene(seed, around);
+    const Compared result =
+        compareScene(randomScene(seed, around), randomCamera(seed, around), seed);
     EXPECT_EQ(result.missed, 0U) << "seed " << seed;
     EXPECT_EQ(result.wrong, 0U) << "seed " << seed;
     agreed += result.agreed;
+  }
+  EXPECT_GT(agreed, 3000U);
+}
+
+TEST(TraceOnGeneratedScenes, AgreesWithATracerOfAnotherKind) {
+  std::size_t agreed = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed, {.objects = 30});
+    for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, 4)) {
+      const auto camera = scenes::toCamera(spec);
+      ASSERT_TRUE(camera.ok()) << spec.what;
+      const Compared result = compareScene(scene, camera.value(), seed);
+      EXPECT_EQ(result.missed, 0U) << "seed " << seed << " " << spec.what;
+      EXPECT_EQ(result.wrong, 0U) << "seed " << seed << " " << spec.what;
+      agreed += result.agreed;
+    }
   }
   EXPECT_GT(agreed, 3000U);
 }
