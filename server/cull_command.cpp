@@ -24,7 +24,6 @@
 namespace culld {
 namespace {
 
-using server::engineMethods;
 using server::SceneVersion;
 using server::toEngine;
 using server::toWire;
@@ -81,7 +80,7 @@ Result<void> checkBackend(const std::string& backend) {
 Result<void> checkMethod(const std::string& name) {
   if (name == "auto") return Done{};
   std::string known = "auto";
-  for (const Method* method : engineMethods().methods) {
+  for (const Method* method : allMethods()) {
     if (method->info().name == name) return Done{};
     known += ", " + std::string(method->info().name);
   }
@@ -188,7 +187,7 @@ int run(const Options& o) {
   const auto scene = load(o.scene);
   if (!scene) return fail(kUsage, scene.error().message);
 
-  const SceneVersion version(engineMethods(), scene.value(), 1);
+  const SceneVersion version(allMethods(), scene.value(), 1);
   const auto method = version.method(o.method);
   if (!method) return fail(kFailed, o.scene + ": " + method.error().message);
   const MethodInfo info = method.value()->info();
