@@ -1,0 +1,95 @@
+// 1 000 random scenes made to break cullers, each seen by several cameras: no method may lack an
+// object that the oracle sees, and every SIMD target must give the same bytes.
+#include <gtest/gtest.h>
+
+#include "culling/core/simd.h"
+#include "tests/scenes/random_scene.h"
+#include "tests/soundness/judge.h"
+
+namespace culld {
+namespace {
+
+constexpr std::uint64_t kScenes = 1000;
+constexpr std::size_t kCamerasPerScene = 3;
+
+struct Tally {
+  std::size_t looks = 0, visible = 0, missed = 0, frustum = 0, raster = 0;
+};
+
+void judgeScene(std::uint64_t seed, Tally& tally) {
+  const SnapshotPtr scene = scenes::randomScene(seed);
+  auto oracle = Oracle::build(scene);
+  ASSERT_TRUE(oracle.ok()) << oracle.error().message;
+  std::vector<PreparedMethod> methods = prepareAll(scene);
+  for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, kCamerasPerScene)) {
+    SCOPED_TRACE("seed " + std::to_string(seed) + " camera " + spec.what);
+    auto camera = scenes::toCamera(spec);
+    ASSERT_TRUE(camera.ok()) << camera.error().message;
+    OracleOptions options;
+    options.lattice = 1;
+    options.max_samples = 20'000;
+    options.rays_per_object = 24;
+    options.seed = seed;
+    auto truth = oracle.value()->look(camera.value(), options);
+    ASSERT_TRUE(truth.ok()) << truth.error().message;
+    ++tally.looks;
+    tally.visible += truth.value().visible.size();
+    for (PreparedMethod& method : methods) {
+      const Answer answer = method.culler->cull(camera.value(), {}, method.view);
+      expectWellFormed(answer, *scene);
+      const auto lost = missing(truth.value().visible, answer.visible);
+      tally.missed += lost.size();
+      EXPECT_TRUE(lost.empty()) << method.name << " lacks object " << lost.front();
+      (method.name == "raster" ? tally.raster : tally.frustum) += answer.visible.size();
+    }
+  }
+}
+
+TEST(RandomScenes, NoMethodLacksAnObjectThatTheOracleSees) {
+  Tally tally;
+  for (std::uint64_t seed = 1; seed <= kScenes && !HasFatalFailure(); ++seed)
+    judgeScene(seed, tally);
+  RecordProperty("visible", static_cast<int>(tally.visible));
+  std::printf("%zu looks: %zu visible, frustum answered %zu, raster answered %zu, missed %zu\n",
+              tally.looks, tally.visible, tally.frustum, tally.raster, tally.missed);
+  EXPECT_EQ(tally.looks, kScenes * kCamerasPerScene);
+  EXPECT_GT(tally.visible, 10 * tally.looks);  // the scenes are not empty
+  EXPECT_LT(tally.raster, tally.frustum);      // and something is hidden in them
+}
+
+TEST(RandomScenes, EveryTargetGivesTheSameAnswer) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed);
+    std::vector<PreparedMethod> methods = prepareAll(scene);
+    for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, kCamerasPerScene)) {
+      const Camera camera = scenes::toCamera(spec).value();
+      for (PreparedMethod& method : methods) {
+        std::vector<ObjectId> first;
+        for (const std::string& target : simdTargets()) {
+          ASSERT_TRUE(forceSimdTarget(target).ok());
+          std::vector<ObjectId> visible = method.culler->cull(camera, {}, method.view).visible;
+          if (first.empty()) first = visible;
+          ASSERT_EQ(visible, first) << method.name << " " << target << " seed " << seed;
+        }
+      }
+    }
+  }
+  ASSERT_TRUE(forceSimdTarget("auto").ok());
+}
+
+TEST(RandomScenes, DroppingTheViewStateChangesNothing) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed);
+    for (PreparedMethod& method : prepareAll(scene)) {
+      for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, 6)) {
+        const Camera camera = scenes::toCamera(spec).value();
+        ViewState fresh;
+        EXPECT_EQ(method.culler->cull(camera, {}, method.view).visible,
+                  method.culler->cull(camera, {}, fresh).visible);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace culld
