@@ -1,0 +1,77 @@
+// make_scene: writes generated scenes to files, for the demo and for trying things by hand.
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <fstream>
+#include <iostream>
+#include <span>
+#include <string>
+
+#include "tests/scenes/city.h"
+#include "tests/scenes/random_scene.h"
+
+namespace {
+
+constexpr int kCannotWrite = 74;
+
+struct Arguments {
+  std::string glb, cameras;
+  culld::scenes::CityOptions city;
+  culld::scenes::RandomSceneOptions random;
+};
+
+bool writeFile(const std::string& path, std::span<const char> bytes) {
+  std::ofstream out(path, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  out.close();
+  if (out.good()) return true;
+  std::cerr << "make_scene: " << path << ": cannot write\n";
+  return false;
+}
+
+int write(const Arguments& to, const culld::scenes::Model& model,
+          std::span<const culld::scenes::CameraSpec> cameras) {
+  const std::vector<std::byte> glb = culld::scenes::toGlb(model);
+  if (!writeFile(to.glb, {reinterpret_cast<const char*>(glb.data()), glb.size()})) {
+    return kCannotWrite;
+  }
+  const std::string list = culld::scenes::toJson(cameras);
+  if (!to.cameras.empty() && !writeFile(to.cameras, list)) return kCannotWrite;
+  std::cout << to.glb << ": " << model.objectCount() << " objects, " << model.meshes.size()
+            << " meshes, " << glb.size() << " bytes; " << cameras.size() << " cameras\n";
+  return 0;
+}
+
+int makeRandom(const Arguments& arguments) {
+  const culld::scenes::Model model =
+      culld::scenes::randomModel(arguments.city.seed, arguments.random);
+  const auto cameras = culld::scenes::randomCameras(
+      arguments.city.seed, *culld::scenes::toSnapshot(model), arguments.city.frames);
+  return write(arguments, model, cameras);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Writes generated scenes");
+  app.require_subcommand(1);
+  CLI::App* city = app.add_subcommand("city", "the sample city of the demo");
+  CLI::App* random = app.add_subcommand("random", "a small scene that looks for trouble");
+  for (CLI::App* command : {city, random}) {
+    command->add_option("-o,--output", arguments.glb, "the .glb to write")->required();
+    command->add_option("--cameras", arguments.cameras, "the cameras file to write");
+    command->add_option("--seed", arguments.city.seed, "names the scene")->capture_default_str();
+    command->add_option("--frames", arguments.city.frames, "cameras")->capture_default_str();
+  }
+  city->add_option("--objects", arguments.city.objects, "how many")->capture_default_str();
+  random->add_option("--objects", arguments.random.objects, "about how many")
+      ->capture_default_str();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (random->parsed()) return makeRandom(arguments);
+  const culld::scenes::City made = culld::scenes::generateCity(arguments.city);
+  return write(arguments, made.model, made.cameras);
+}
