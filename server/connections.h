@@ -1,0 +1,21 @@
+// The two kinds of connection, made from a fresh socket of either family (TCP or Unix).
+#pragma once
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <string>
+
+#include "server/context.h"
+
+namespace culld::server {
+
+using StreamSocket = boost::asio::generic::stream_protocol::socket;
+
+/// Speaks HTTP/1.1 until the connection ends or becomes a live one. Owns itself.
+/// REQUIRES: the I/O thread; `context` outlives all connections.
+void serveHttp(StreamSocket socket, Context& context);
+
+/// Speaks WebSocket for one scene. `request` is the upgrade's header as it was received and what
+/// followed it.
+void serveLive(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
+               Context& context);
+
+}  // namespace culld::server

@@ -1,0 +1,59 @@
+// What the connections of a server share.
+#pragma once
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <set>
+#include <string>
+
+#include "culling/core/clock.h"
+#include "server/limits.h"
+#include "server/metrics.h"
+#include "server/scene_store.h"
+#include "server/worker_pool.h"
+
+namespace culld::server {
+
+/// A live connection as the rest of the server sees it. THREADS: the I/O thread.
+class LivePeer {
+ public:
+  virtual ~LivePeer() = default;
+  virtual const std::shared_ptr<Scene>& scene() const = 0;
+  virtual std::size_t viewCount() const = 0;
+  virtual void sceneMoved() = 0;
+  /// Says GoAway, finishes what runs, closes with 1001.
+  virtual void goAway(const std::string& reason) = 0;
+};
+
+struct Context {
+  const ServerLimits limits;
+  const std::string server_name;
+  const Clock& clock;
+  SceneStore& store;
+  Metrics& metrics;
+  WorkerPool& workers;  ///< culling and edits
+  WorkerPool& loaders;  ///< uploads: slow, so they do not keep cameras waiting
+  /// Runs on the I/O thread, soon. THREADS: any.
+  std::function<void(std::function<void()>)> onIoThread;
+  const std::chrono::nanoseconds started;
+
+  // THREADS: the I/O thread, but for the atomics.
+  std::set<LivePeer*> live;
+  std::size_t busy_requests = 0;  ///< HTTP requests under way
+  std::atomic<bool> ready{false};
+  std::atomic<bool> draining{false};
+
+  void sceneMoved(const Scene* scene) {
+    for (LivePeer* peer : std::set<LivePeer*>(live)) {
+      if (live.contains(peer) && peer->scene().get() == scene) peer->sceneMoved();
+    }
+  }
+  void goAway(const Scene* scene, const std::string& reason) {
+    for (LivePeer* peer : std::set<LivePeer*>(live)) {
+      const bool meant = scene == nullptr || peer->scene().get() == scene;
+      if (live.contains(peer) && meant) peer->goAway(reason);
+    }
+  }
+};
+
+}  // namespace culld::server

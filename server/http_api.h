@@ -1,0 +1,60 @@
+// What each path of the HTTP side means, free of sockets: a request in, a reply out.
+#pragma once
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/context.h"
+
+namespace culld::server {
+
+struct HttpReply {
+  unsigned status = 200;
+  std::string content_type = "application/json";
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;
+};
+
+/// {"error": message} with a status.
+HttpReply errorReply(unsigned status, const std::string& message);
+/// The status that stands for an engine error about an upload or a scene.
+HttpReply errorReply(const Error& error);
+
+/// A path taken apart. `scene` is not yet checked.
+struct Route {
+  enum class Kind {
+    kUnknown,
+    kPage,
+    kLivez,
+    kReadyz,
+    kVersion,
+    kMetrics,
+    kStatus,
+    kScenes,
+    kScene,
+    kObjects,
+    kLive
+  };
+  Kind kind = Kind::kUnknown;
+  std::string scene;
+};
+
+/// Ignores a query. ERROR: a scene's name that cannot be one is answered later, by handle().
+Route routeOf(std::string_view target);
+/// "GET, HEAD", ...: what a route allows.
+std::string_view allowedMethods(Route::Kind kind) noexcept;
+
+/// Everything but PUT of a scene and the live path, which need their connection.
+/// THREADS: the I/O thread, except heavy().
+HttpReply handleRequest(std::string_view method, const Route& route, Context& context);
+/// Worth a worker's thread: large replies, or the disk.
+bool heavy(std::string_view method, const Route& route) noexcept;
+
+/// The reply to an upload that was received whole.
+HttpReply finishPut(const std::string& scene, Upload upload, Context& context);
+
+/// JSON object about one scene, as GET /v1/scenes/NAME gives it.
+std::string sceneJson(const std::string& name, const SceneEntry& entry);
+
+}  // namespace culld::server

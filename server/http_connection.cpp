@@ -1,0 +1,281 @@
+// HTTP/1.1 on one socket: requests one after another, each under a timeout and a size limit.
+// Uploads go straight to disk. A WebSocket upgrade hands the socket on.
+#include <array>
+#include <boost/asio/buffer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include "protocol/version.h"
+#include "server/connections.h"
+#include "server/http_api.h"
+
+namespace culld::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace asio = boost::asio;
+using Stream = beast::basic_stream<asio::generic::stream_protocol>;
+
+constexpr std::size_t kPartBytes = std::size_t{256} << 10;
+
+std::string_view view(beast::string_view s) { return {s.data(), s.size()}; }
+
+class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(StreamSocket socket, Context& context)
+      : context_(context), stream_(std::move(socket)) {
+    context_.metrics.connectionOpened();
+  }
+  ~HttpConnection() {
+    busy(false);
+    context_.metrics.connectionClosed();
+  }
+
+  void readHeader() {
+    busy(false);
+    header_.emplace();
+    header_->header_limit(context_.limits.max_header_bytes);
+    header_->body_limit(context_.limits.max_upload_bytes);
+    stream_.expires_after(context_.limits.header_timeout);
+    http::async_read_header(stream_, buffer_, *header_,
+                            [self = shared_from_this()](beast::error_code failure, std::size_t) {
+                              self->headerRead(failure);
+                            });
+  }
+
+ private:
+  void headerRead(beast::error_code failure) {
+    if (failure == http::error::end_of_stream) return close();
+    if (failure) return refuseBytes(failure);
+    busy(true);
+    const auto& request = header_->get();
+    method_ = std::string(view(request.method_string()));
+    route_ = routeOf(view(request.target()));
+    keep_alive_ = request.keep_alive();
+    version_ = request.version();
+    if (route_.kind == Route::Kind::kScene && method_ == "PUT") return beginPut();
+    // No other request has a use for a body: what follows the header would be taken for a request.
+    if (request.chunked() || request.has_content_length()) keep_alive_ = false;
+    if (route_.kind == Route::Kind::kLive && beast::websocket::is_upgrade(request)) {
+      return upgrade();
+    }
+    if (!heavy(method_, route_)) return reply(handleRequest(method_, route_, context_));
+    context_.workers.post([self = shared_from_this()]() mutable {
+      Context& context = self->context_;
+      auto made = std::make_shared<HttpReply>(handleRequest(self->method_, self->route_, context));
+      context.onIoThread([self = std::move(self), made] { self->reply(std::move(*made)); });
+    });
+  }
+
+  /// Bytes that are no request get an answer where one can still be read. (Past a timeout none can:
+  /// the stream is closed.)
+  void refuseBytes(beast::error_code failure) {
+    keep_alive_ = false;
+    version_ = 11;
+    if (failure == http::error::header_limit) return reply(errorReply(431, "header too large"));
+    if (failure == http::error::body_limit) return reply(tooLarge());
+    if (failure == http::error::partial_message || failure.category() != httpCategory()) {
+      return close();
+    }
+    reply(errorReply(400, "not an HTTP/1.1 request: " + failure.message()));
+  }
+
+  static const boost::system::error_category& httpCategory() {
+    return beast::error_code(http::error::bad_method).category();
+  }
+
+  HttpReply tooLarge() const {
+    return errorReply(
+        413, "upload larger than " + std::to_string(context_.limits.max_upload_bytes) + " bytes");
+  }
+
+  // --- upgrade -----------------------------------------------------------------------------------
+
+  void upgrade() {
+    const auto& request = header_->get();
+    http::token_list offered(request[http::field::sec_websocket_protocol]);
+    if (!offered.exists(protocol::kSubprotocol)) {
+      return reply(errorReply(400, "Sec-WebSocket-Protocol: \"" +
+                                       std::string(protocol::kSubprotocol) +
+                                       "\" is not among those offered"));
+    }
+    if (context_.draining) return reply(errorReply(503, "draining"));
+    auto scene = context_.store.find(route_.scene);
+    if (scene == nullptr) {
+      return reply(errorReply(404, "scene \"" + route_.scene + "\" is not known"));
+    }
+    std::ostringstream bytes;
+    bytes << request.base() << beast::buffers_to_string(buffer_.data());
+    stream_.expires_never();
+    serveLive(stream_.release_socket(), bytes.str(), std::move(scene), context_);
+  }
+
+  // --- upload ------------------------------------------------------------------------------------
+
+  void beginPut() {
+    if (!validSceneName(route_.scene)) {
+      return refuseBody(
+          errorReply(400, "scene name \"" + route_.scene + "\": not [A-Za-z0-9._-]{1,64}"));
+    }
+    if (!header_->chunked() && !header_->content_length()) {
+      return refuseBody(errorReply(411, "an upload needs Content-Length or chunks"));
+    }
+    const auto length = header_->content_length();
+    if (length && *length > context_.limits.max_upload_bytes) return refuseBody(tooLarge());
+    if (context_.draining) return refuseBody(errorReply(503, "draining"));
+    auto upload = context_.store.beginUpload();
+    if (!upload) return refuseBody(errorReply(upload.error()));
+    upload_.emplace(std::move(upload).value());
+    upload_started_ = context_.clock.now();
+    const bool waits = beast::iequals(header_->get()[http::field::expect], "100-continue");
+    body_.emplace(std::move(*header_));
+    if (!waits) return readPart();
+    auto go = std::make_shared<http::response<http::empty_body>>(http::status::continue_, version_);
+    http::async_write(stream_, *go,
+                      [self = shared_from_this(), go](beast::error_code failure, std::size_t) {
+                        if (!failure) self->readPart();
+                      });
+  }
+
+  /// The body is still to come and nobody will read it, so the connection cannot go on.
+  void refuseBody(HttpReply refusal) {
+    keep_alive_ = false;
+    reply(std::move(refusal));
+  }
+
+  void readPart() {
+    if (!part_) part_ = std::make_unique<std::array<std::byte, kPartBytes>>();
+    body_->get().body().data = part_->data();
+    body_->get().body().size = part_->size();
+    stream_.expires_after(context_.limits.body_timeout);
+    http::async_read_some(stream_, buffer_, *body_,
+                          [self = shared_from_this()](beast::error_code failure, std::size_t) {
+                            self->partRead(failure);
+                          });
+  }
+
+  void partRead(beast::error_code failure) {
+    if (failure == http::error::need_buffer) failure = {};
+    if (failure) {
+      upload_.reset();
+      return refuseBytes(failure);
+    }
+    const std::size_t got = part_->size() - body_->get().body().size;
+    if (auto written = upload_->append({part_->data(), got}); !written) {
+      return refuseBody(errorReply(written.error()));
+    }
+    if (body_->is_done()) return finishUpload();
+    const auto seconds =
+        std::chrono::duration<double>(context_.clock.now() - upload_started_).count() -
+        std::chrono::duration<double>(context_.limits.body_timeout).count();
+    const auto least = static_cast<double>(context_.limits.min_upload_bytes_per_s);
+    if (seconds > 0 && static_cast<double>(upload_->size()) < seconds * least) {
+      return refuseBody(errorReply(408, "upload slower than " +
+                                            std::to_string(context_.limits.min_upload_bytes_per_s) +
+                                            " bytes per second"));
+    }
+    readPart();
+  }
+
+  void finishUpload() {
+    part_.reset();
+    body_.reset();
+    stream_.expires_never();
+    context_.loaders.post([self = shared_from_this()]() mutable {
+      Context& context = self->context_;
+      auto made = std::make_shared<HttpReply>(
+          finishPut(self->route_.scene, std::move(*self->upload_), context));
+      context.onIoThread([self = std::move(self), made] {
+        self->upload_.reset();
+        self->reply(std::move(*made));
+      });
+    });
+  }
+
+  // --- reply -------------------------------------------------------------------------------------
+
+  void reply(HttpReply made) {
+    context_.metrics.httpRequest(method_, made.status);
+    response_.emplace(static_cast<http::status>(made.status), version_);
+    response_->set(http::field::server, context_.server_name);
+    response_->set(http::field::cache_control, "no-store");
+    if (!made.body.empty()) response_->set(http::field::content_type, made.content_type);
+    for (const auto& [name, value] : made.headers) response_->set(name, value);
+    if (context_.draining) keep_alive_ = false;
+    response_->keep_alive(keep_alive_);
+    if (made.status == 426) response_->set(http::field::connection, "Upgrade");
+    const std::size_t length = made.body.size();
+    if (method_ != "HEAD") response_->body() = std::move(made.body);
+    if (made.status != 204) response_->content_length(length);
+    stream_.expires_after(context_.limits.write_timeout);
+    if (method_ != "HEAD") {
+      http::async_write(stream_, *response_, replyWritten());
+    } else {
+      serializer_.emplace(*response_);
+      http::async_write_header(stream_, *serializer_, replyWritten());
+    }
+  }
+
+  std::function<void(beast::error_code, std::size_t)> replyWritten() {
+    return [self = shared_from_this()](beast::error_code failure, std::size_t) {
+      if (failure) return;
+      self->upload_.reset();
+      if (self->keep_alive_) return self->readHeader();
+      self->close();
+    };
+  }
+
+  /// Says that nothing more will come, then reads what the peer still sends until it closes: a
+  /// socket closed with unread bytes would tear the reply away from it.
+  void close() {
+    busy(false);
+    beast::error_code ignored;  // the peer may be gone already
+    stream_.socket().shutdown(asio::socket_base::shutdown_send, ignored);
+    stream_.expires_after(std::chrono::seconds(2));
+    linger();
+  }
+
+  void linger() {
+    buffer_.consume(buffer_.size());
+    stream_.async_read_some(buffer_.prepare(65536),
+                            [self = shared_from_this()](beast::error_code failure, std::size_t) {
+                              if (!failure) self->linger();
+                            });
+  }
+
+  void busy(bool now) {
+    if (now == busy_) return;
+    busy_ = now;
+    context_.busy_requests += now ? 1U : std::size_t(-1);
+  }
+
+  Context& context_;
+  Stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> header_;
+  std::optional<http::request_parser<http::buffer_body>> body_;
+  std::optional<http::response<http::string_body>> response_;
+  std::optional<http::response_serializer<http::string_body>> serializer_;
+  std::optional<Upload> upload_;
+  std::unique_ptr<std::array<std::byte, kPartBytes>> part_;
+  std::chrono::nanoseconds upload_started_{0};
+  std::string method_;
+  Route route_;
+  unsigned version_ = 11;
+  bool keep_alive_ = true;
+  bool busy_ = false;
+};
+
+}  // namespace
+
+void serveHttp(StreamSocket socket, Context& context) {
+  std::make_shared<HttpConnection>(std::move(socket), context)->readHeader();
+}
+
+}  // namespace culld::server

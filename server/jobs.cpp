@@ -1,0 +1,112 @@
+#include "server/jobs.h"
+
+#include <exception>
+
+#include "protocol/codec.h"
+#include "server/translate.h"
+
+namespace culld::server {
+namespace {
+
+using protocol::Message;
+using protocol::WireCode;
+
+std::vector<std::uint8_t> errorMessage(std::uint64_t request_id, WireCode code, std::string what) {
+  return protocol::encode(Message{request_id, protocol::ErrorReply{code, std::move(what)}});
+}
+
+std::string place(const CullJob& job) { return "view " + std::to_string(job.view) + ": "; }
+
+/// A culler's memory may describe the snapshot it was made for, so it goes when the culler changes.
+ViewState& stateFor(ViewMemory& memory, const std::shared_ptr<const Culler>& culler) {
+  if (memory.culler != culler) {
+    memory.state = ViewState();
+    memory.culler = culler;
+  }
+  return memory.state;
+}
+
+protocol::Answer answerMessage(const CullJob& job, const Method& method, Answer& answer,
+                               std::chrono::nanoseconds queued) {
+  protocol::Answer out;
+  out.view = job.view;
+  out.frame = job.frame;
+  out.scene_version = job.scene->snapshot()->version();
+  out.scene_objects = static_cast<std::uint32_t>(job.scene->snapshot()->objectCount());
+  protocol::EncodedSet set = job.baseline ? protocol::encodeSmallest(*job.baseline, answer.visible)
+                                          : protocol::encodeSmallest(answer.visible);
+  out.baseline = set.encoding == protocol::Encoding::kAddRemove ? job.baseline_frame : 0;
+  out.encoding = set.encoding;
+  out.payload = std::move(set.payload);
+  out.object_count = static_cast<std::uint32_t>(answer.visible.size());
+  out.set_hash = protocol::setHash(answer.visible);
+  out.guarantee = toWire(answer.guarantee);
+  out.missed_px = answer.missed_px;
+  out.proven = answer.proven;
+  out.out_of_budget = answer.out_of_budget;
+  out.method = std::string(method.info().name);
+  out.note = std::move(answer.note);
+  out.superseded = job.superseded;
+  if (job.want_seen) out.seen = packBits(answer.seen);
+  out.stats = toWire(answer.stats, queued);
+  return out;
+}
+
+void cullInto(CullOutcome& outcome, const Clock& clock) {
+  const CullJob& job = outcome.job;
+  const auto fail = [&](WireCode code, const std::string& what) {
+    outcome.message = errorMessage(job.request_id, code, place(job) + what);
+  };
+  const auto method = job.scene->method(job.method);
+  if (!method) {
+    return fail(toWire(method.error().code, WireCode::kUnknownMethod), method.error().message);
+  }
+  const auto culler = job.scene->culler(*method.value());
+  if (!culler) {
+    return fail(toWire(culler.error().code, WireCode::kUnsupported), culler.error().message);
+  }
+  ViewState& state = stateFor(*job.memory, culler.value());
+  const auto queued = clock.now() - job.received;
+  Answer answer = culler.value()->cull(job.camera, job.demand, state);
+  outcome.cull = answer.stats.time;
+  outcome.objects = static_cast<std::uint32_t>(answer.visible.size());
+  outcome.message =
+      protocol::encode({job.request_id, answerMessage(job, *method.value(), answer, queued)});
+  outcome.visible = std::make_shared<const protocol::IdSet>(std::move(answer.visible));
+}
+
+}  // namespace
+
+CullOutcome runCull(CullJob job, const Clock& clock) {
+  const auto started = clock.now();
+  CullOutcome outcome;
+  outcome.job = std::move(job);
+  try {
+    cullInto(outcome, clock);
+  } catch (const std::exception& failure) {
+    outcome.visible = nullptr;
+    outcome.message = errorMessage(outcome.job.request_id, WireCode::kInternal,
+                                   place(outcome.job) + failure.what());
+  }
+  outcome.took = clock.now() - started;
+  return outcome;
+}
+
+EditDone runEdit(Scene& scene, const EditJob& job) {
+  try {
+    const auto edits = toEngine(job.edits);
+    const auto edited = scene.edit(edits, job.expected_version);
+    if (!edited) {
+      const WireCode code = edited.error().code == ErrorCode::kUnavailable
+                                ? WireCode::kConflict
+                                : toWire(edited.error().code, WireCode::kInvalidEdit);
+      return {errorMessage(job.request_id, code, edited.error().message), false};
+    }
+    const EditOutcome& done = edited.value();
+    return {protocol::encode({job.request_id, protocol::Edited{done.version, done.added}}), true};
+  } catch (const std::exception& failure) {
+    return {errorMessage(job.request_id, WireCode::kInternal, failure.what()), false};
+  }
+}
+
+}  // namespace culld::server

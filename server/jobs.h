@@ -1,0 +1,67 @@
+// What a session asks the workers to do. Jobs carry all they need and touch no session, so they run
+// on any thread, or in a test's own loop.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "culling/culler.h"
+#include "protocol/id_set.h"
+#include "protocol/messages.h"
+#include "server/scene.h"
+
+namespace culld::server {
+
+using IdSetPtr = std::shared_ptr<const protocol::IdSet>;
+
+/// What a view keeps between its frames. THREADS: used by one job at a time.
+struct ViewMemory {
+  ViewState state;
+  std::shared_ptr<const Culler> culler;  ///< the one that `state` belongs to
+};
+
+struct CullJob {
+  std::uint64_t request_id = 0;
+  std::uint32_t view = 0;
+  std::uint64_t incarnation = 0;  ///< tells views apart that were opened under the same number
+  std::uint32_t frame = 0;
+  std::uint32_t baseline_frame = 0;  ///< 0: none
+  IdSetPtr baseline;
+  std::uint32_t superseded = 0;
+  SceneVersionPtr scene;
+  std::string method;
+  bool want_seen = false;
+  Camera camera;
+  Demand demand;
+  std::shared_ptr<ViewMemory> memory;
+  std::chrono::nanoseconds received{0};
+  std::chrono::nanoseconds expected{0};  ///< what this view's last cull took; 0: not known
+};
+
+struct CullOutcome {
+  CullJob job;
+  std::vector<std::uint8_t> message;  ///< encoded: an Answer or an Error
+  IdSetPtr visible;                   ///< none: it failed
+  std::chrono::nanoseconds took{0};   ///< culling and encoding
+  std::chrono::nanoseconds cull{0};
+  std::uint32_t objects = 0;
+};
+
+struct EditJob {
+  std::uint64_t request_id = 0;
+  std::uint64_t expected_version = 0;
+  std::vector<protocol::EditItem> edits;
+};
+
+struct EditDone {
+  std::vector<std::uint8_t> message;  ///< encoded: an Edited or an Error
+  bool changed = false;
+};
+
+/// Never throws: what a culler throws becomes an Error message.
+CullOutcome runCull(CullJob job, const Clock& clock);
+EditDone runEdit(Scene& scene, const EditJob& job);
+
+}  // namespace culld::server

@@ -1,0 +1,256 @@
+// A WebSocket around a Session: moves bytes, runs jobs, counts. The session decides everything.
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <deque>
+#include <memory>
+#include <utility>
+
+#include "protocol/version.h"
+#include "server/connections.h"
+#include "server/session.h"
+
+namespace culld::server {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+namespace asio = boost::asio;
+using Stream = beast::basic_stream<asio::generic::stream_protocol>;
+
+/// A cull that takes less than handing it to another thread and back runs where it came in: the two
+/// wake-ups of a halted core measured 20 to 25 us each.
+constexpr std::chrono::microseconds kInlineCull{100};
+
+class LiveConnection final : public LivePeer, public std::enable_shared_from_this<LiveConnection> {
+ public:
+  LiveConnection(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
+                 Context& context)
+      : context_(context),
+        socket_(Stream(std::move(socket))),
+        hello_timer_(socket_.get_executor()),
+        request_(std::move(request)),
+        session_(std::move(scene), context.limits.session, context.server_name,
+                 context.clock.now()) {
+    context_.live.insert(this);
+    context_.metrics.sessionOpened();
+    context_.metrics.connectionOpened();
+  }
+
+  ~LiveConnection() override {
+    context_.live.erase(this);
+    context_.metrics.viewsChanged(-static_cast<std::ptrdiff_t>(counted_views_));
+    context_.metrics.sessionClosed();
+    context_.metrics.connectionClosed();
+  }
+
+  void start() {
+    const ServerLimits& limits = context_.limits;
+    socket_.set_option(
+        websocket::stream_base::timeout{limits.header_timeout, limits.session.idle_timeout, true});
+    socket_.set_option(websocket::stream_base::decorator(
+        [name = context_.server_name](websocket::response_type& response) {
+          response.set(beast::http::field::server, name);
+          response.set(beast::http::field::sec_websocket_protocol, protocol::kSubprotocol);
+        }));
+    socket_.read_message_max(limits.session.max_message_bytes);
+    socket_.auto_fragment(false);
+    socket_.binary(true);
+    socket_.async_accept(asio::buffer(request_),
+                         [self = shared_from_this()](beast::error_code failure) {
+                           if (failure || self->ended_) return self->end();
+                           self->accepted_ = true;
+                           self->request_ = {};
+                           self->awaitHello();
+                           self->read();
+                         });
+  }
+
+  // LivePeer
+  const std::shared_ptr<Scene>& scene() const override { return session_.scene(); }
+  std::size_t viewCount() const override { return session_.viewCount(); }
+  void sceneMoved() override { apply(session_.sceneMoved()); }
+  void goAway(const std::string& reason) override {
+    if (!accepted_) return end();
+    leaving_ = Close{static_cast<std::uint16_t>(websocket::close_code::going_away), reason};
+    apply(session_.goAway(reason));
+  }
+
+ private:
+  void awaitHello() {
+    hello_timer_.expires_after(context_.limits.session.hello_timeout);
+    hello_timer_.async_wait([weak = weak_from_this()](beast::error_code failure) {
+      const auto self = weak.lock();
+      if (self && !failure) self->apply(self->session_.tick(self->context_.clock.now()));
+    });
+  }
+
+  void read() {
+    reading_ = true;
+    socket_.async_read(inbox_,
+                       [self = shared_from_this()](beast::error_code failure, std::size_t bytes) {
+                         self->reading_ = false;
+                         if (failure) return self->end();
+                         self->received(bytes);
+                       });
+  }
+
+  void received(std::size_t bytes) {
+    context_.metrics.received(bytes);
+    const asio::const_buffer data = inbox_.cdata();
+    Actions actions =
+        socket_.got_text()
+            ? session_.receiveText()
+            : session_.receive({static_cast<const std::uint8_t*>(data.data()), data.size()},
+                               context_.clock.now());
+    inbox_.consume(inbox_.size());
+    apply(std::move(actions));
+    readOn();
+  }
+
+  /// A client that does not take its replies is not listened to.
+  void readOn() {
+    const bool room = outbox_.size() < context_.limits.queued_messages &&
+                      outbox_bytes_ < context_.limits.queued_bytes;
+    if (!reading_ && room && !ended_ && !closing_) read();
+  }
+
+  void apply(Actions actions) {
+    // Jobs that run here make further actions, so this is a queue and not a recursion.
+    std::deque<Action> todo(std::make_move_iterator(actions.begin()),
+                            std::make_move_iterator(actions.end()));
+    while (!todo.empty()) {
+      Action action = std::move(todo.front());
+      todo.pop_front();
+      Actions more = perform(std::move(action));
+      std::move(more.begin(), more.end(), std::back_inserter(todo));
+    }
+    countViews();
+    write();
+  }
+
+  Actions perform(Action action) {
+    if (auto* send = std::get_if<Send>(&action)) {
+      outbox_bytes_ += send->bytes.size();
+      outbox_.push_back(std::move(*send));
+    } else if (auto* cull = std::get_if<StartCull>(&action)) {
+      return startCull(std::move(cull->job));
+    } else if (auto* edit = std::get_if<StartEdit>(&action)) {
+      startEdit(std::move(edit->job));
+    } else {
+      leaving_ = *std::get_if<Close>(&action);
+    }
+    return {};
+  }
+
+  Actions startCull(CullJob job) {
+    const bool quick = job.expected.count() > 0 && job.expected < kInlineCull;
+    if (quick) return culled(runCull(std::move(job), context_.clock));
+    // The worker hands its share of this connection on, so that the connection ends on its thread.
+    context_.workers.post([self = shared_from_this(), job = std::move(job)]() mutable {
+      Context& context = self->context_;
+      auto outcome = std::make_shared<CullOutcome>(runCull(std::move(job), context.clock));
+      context.onIoThread(
+          [self = std::move(self), outcome] { self->apply(self->culled(std::move(*outcome))); });
+    });
+    return {};
+  }
+
+  Actions culled(CullOutcome outcome) {
+    if (outcome.visible) {
+      context_.metrics.answered(outcome.cull, outcome.message.size(), outcome.objects);
+    } else {
+      context_.metrics.failed();
+    }
+    context_.metrics.superseded(outcome.job.superseded);
+    return session_.culled(std::move(outcome));
+  }
+
+  void startEdit(EditJob job) {
+    context_.workers.post([self = shared_from_this(), job = std::move(job)]() mutable {
+      Context& context = self->context_;
+      auto done = std::make_shared<EditDone>(runEdit(*self->session_.scene(), job));
+      context.onIoThread([self = std::move(self), done] { self->edited(std::move(*done)); });
+    });
+  }
+
+  void edited(EditDone done) {
+    const bool changed = done.changed;
+    apply(session_.edited(std::move(done)));
+    if (!changed) return;
+    context_.metrics.edited();
+    context_.sceneMoved(session_.scene().get());
+  }
+
+  void countViews() {
+    const std::size_t views = session_.viewCount();
+    if (views == counted_views_) return;
+    context_.metrics.viewsChanged(static_cast<std::ptrdiff_t>(views) -
+                                  static_cast<std::ptrdiff_t>(counted_views_));
+    counted_views_ = views;
+  }
+
+  void write() {
+    if (writing_ || ended_ || closing_) return;
+    if (outbox_.empty()) {
+      if (leaving_ && (session_.drained() || !session_.greeted())) close();
+      return;
+    }
+    writing_ = true;
+    socket_.async_write(asio::buffer(outbox_.front().bytes),
+                        [self = shared_from_this()](beast::error_code failure, std::size_t) {
+                          self->writing_ = false;
+                          if (failure) return self->end();
+                          self->written();
+                        });
+  }
+
+  void written() {
+    const SendTag tag = outbox_.front().tag;
+    outbox_bytes_ -= outbox_.front().bytes.size();
+    outbox_.pop_front();
+    apply(session_.sent(tag));
+    readOn();
+  }
+
+  void close() {
+    closing_ = true;
+    websocket::close_reason why;
+    why.code = leaving_->code;
+    why.reason = leaving_->reason.substr(0, 100);  // a close frame holds 123 bytes
+    socket_.async_close(why, [self = shared_from_this()](beast::error_code) { self->end(); });
+  }
+
+  void end() {
+    ended_ = true;
+    hello_timer_.cancel();
+    beast::get_lowest_layer(socket_).close();
+  }
+
+  Context& context_;
+  websocket::stream<Stream> socket_;
+  asio::steady_timer hello_timer_;
+  std::string request_;
+  Session session_;
+  beast::flat_buffer inbox_;
+  std::deque<Send> outbox_;
+  std::size_t outbox_bytes_ = 0;
+  std::size_t counted_views_ = 0;
+  std::optional<Close> leaving_;
+  bool accepted_ = false;
+  bool reading_ = false;
+  bool writing_ = false;
+  bool closing_ = false;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+void serveLive(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
+               Context& context) {
+  std::make_shared<LiveConnection>(std::move(socket), std::move(request), std::move(scene), context)
+      ->start();
+}
+
+}  // namespace culld::server

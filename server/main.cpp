@@ -1,0 +1,82 @@
+// The program culld: reads the command line and hands over to the command.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include "culling/core/simd.h"
+#include "server/build_info.h"
+#include "server/cull_command.h"
+#include "server/methods_command.h"
+#include "server/serve_command.h"
+
+namespace culld {
+namespace {
+
+constexpr int kUsage = 2;
+
+struct Arguments {
+  ServeArguments serve;
+  std::string backend = "auto";
+  std::string simd = "auto";
+  bool json = false;
+};
+
+CLI::App* addServe(CLI::App& app, Arguments& arguments) {
+  CLI::App* serve = app.add_subcommand("serve", "Runs the daemon");
+  ServeArguments& s = arguments.serve;
+  serve->add_option("--listen", s.listen, "HOST:PORT; port 0 takes a free one")
+      ->capture_default_str();
+  serve->add_option("--unix", s.unix_path, "Listen on this Unix socket too");
+  serve->add_option("--data", s.data_folder, "Keep uploaded scenes here across restarts");
+  serve->add_option("--scene", s.scenes, "NAME=FILE; may be repeated");
+  serve->add_option("--threads", s.threads, "For culling; 0: as many as cores")
+      ->capture_default_str();
+  serve->add_option("--backend", arguments.backend, "auto or cpu")->capture_default_str();
+  serve->add_option("--simd", arguments.simd, "Force a SIMD target: sse4, avx2, avx3")
+      ->capture_default_str();
+  return serve;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("culld answers which objects of a scene a camera can see", "culld");
+  app.set_version_flag("--version", server::serverName());
+  app.require_subcommand(1);
+  Arguments arguments;
+  const CLI::App* serve = addServe(app, arguments);
+  CLI::App* cull = app.add_subcommand("cull", "Answers a file of cameras in this process");
+  cull->prefix_command();
+  cull->set_help_flag();
+  CLI::App* methods = app.add_subcommand("methods", "Lists the culling methods");
+  methods->add_flag("--json", arguments.json);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& failure) {
+    const int code = app.exit(failure);
+    return code == 0 ? 0 : kUsage;
+  }
+  if (cull->parsed()) return runCull(cull->remaining());
+  if (!serve->parsed()) return runMethods(arguments.json);
+  if (arguments.backend != "auto" && arguments.backend != "cpu") {
+    std::fprintf(stderr, "culld: --backend %s: this build has cpu only\n",
+                 arguments.backend.c_str());
+    return kUsage;
+  }
+  if (auto forced = forceSimdTarget(arguments.simd); !forced) {
+    std::fprintf(stderr, "culld: --simd: %s\n", forced.error().message.c_str());
+    return kUsage;
+  }
+  return runServe(arguments.serve);
+}
+
+}  // namespace
+}  // namespace culld
+
+int main(int argc, char** argv) {
+  try {
+    return culld::run(argc, argv);
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "culld: %s\n", failure.what());
+    return 1;
+  }
+}

@@ -1,0 +1,87 @@
+// One scene that the server holds: its current version, and the methods prepared for it.
+// Readers take the current version and keep it as long as they like; writers make the next one.
+#pragma once
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "culling/culler.h"
+#include "culling/scene/edit.h"
+
+namespace culld::server {
+
+/// What a server offers; in the daemon allMethods(), in tests their own.
+using Methods = std::span<const Method* const>;
+
+/// Immutable but for cullers, which are prepared when first asked for. THREADS: any.
+class SceneVersion {
+ public:
+  SceneVersion(Methods methods, SnapshotPtr snapshot, std::uint64_t epoch);
+
+  const SnapshotPtr& snapshot() const noexcept { return snapshot_; }
+  /// Counts the scenes held under this name; ids of another epoch mean nothing in this one.
+  std::uint64_t epoch() const noexcept { return epoch_; }
+
+  /// "" and "auto": the one the planner chooses for this scene.
+  /// ERROR: kNotFound; kUnsupported, the method's own words on why not for this scene.
+  Result<const Method*> method(std::string_view name) const;
+  /// Prepared once; others who ask meanwhile wait. REQUIRES: `method` came from method().
+  Result<std::shared_ptr<const Culler>> culler(const Method& method) const;
+
+  /// The next version of the same epoch, with the prepared cullers refitted. Waits for a method
+  /// that is just being prepared: it would start from nothing otherwise, at every edit.
+  std::shared_ptr<const SceneVersion> edited(SnapshotPtr next,
+                                             std::span<const ObjectId> changed) const;
+
+ private:
+  using Prepared = Result<std::shared_ptr<const Culler>>;
+  struct Slot {
+    std::mutex mutex;
+    std::optional<Prepared> culler;
+  };
+  SceneVersion(const SceneVersion& before, SnapshotPtr next);
+
+  Methods methods_;
+  SnapshotPtr snapshot_;
+  std::uint64_t epoch_;
+  SceneProfile profile_;
+  mutable std::vector<Slot> slots_;  ///< one per method
+};
+
+using SceneVersionPtr = std::shared_ptr<const SceneVersion>;
+
+struct EditOutcome {
+  std::uint64_t version = 0;
+  std::vector<ObjectId> added;
+};
+
+class Scene {
+ public:
+  Scene(std::string name, Methods methods, SnapshotPtr snapshot);
+
+  const std::string& name() const noexcept { return name_; }
+  SceneVersionPtr current() const;
+
+  /// All edits or none; `expected_version` 0 stands for any. Visible to every current() that comes
+  /// after. ERROR: kUnavailable: at another version; else as applyEdits.
+  Result<EditOutcome> edit(std::span<const Edit> edits, std::uint64_t expected_version);
+
+  /// Another scene under the same name.
+  void replace(SnapshotPtr snapshot);
+
+ private:
+  void publish(SceneVersionPtr next);
+
+  const std::string name_;
+  const Methods methods_;
+  std::mutex writers_;                ///< one at a time
+  mutable std::mutex current_mutex_;  ///< held for a pointer's copy only
+  SceneVersionPtr current_;
+};
+
+}  // namespace culld::server

@@ -1,0 +1,144 @@
+#include "server/serve_command.h"
+
+#include <pthread.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <thread>
+
+#include "server/server.h"
+
+namespace culld {
+namespace {
+
+constexpr int kUsage = 2;
+constexpr int kUnavailable = 69;
+constexpr int kIo = 74;
+constexpr int kLoaded = SIGUSR1;  ///< how the loading thread wakes the one that waits for signals
+
+int complain(int code, const std::string& message) {
+  std::fprintf(stderr, "culld: %s\n", message.c_str());
+  return code;
+}
+
+/// "HOST:PORT", "[::1]:PORT".
+Result<void> parseListen(const std::string& text, server::ServerOptions& options) {
+  const auto colon = text.rfind(':');
+  const auto wrong = invalidInput("--listen " + text + ": not HOST:PORT");
+  if (colon == std::string::npos || colon == 0) return wrong;
+  const char* end = text.data() + text.size();
+  const auto [stop, failure] = std::from_chars(text.data() + colon + 1, end, options.listen_port);
+  if (failure != std::errc() || stop != end) return wrong;
+  options.listen_host = text.substr(0, colon);
+  if (options.listen_host.size() > 2 && options.listen_host.front() == '[' &&
+      options.listen_host.back() == ']') {
+    options.listen_host = options.listen_host.substr(1, options.listen_host.size() - 2);
+  }
+  if (options.listen_host == "localhost") options.listen_host = "127.0.0.1";
+  return Done{};
+}
+
+Result<void> parseScenes(const std::vector<std::string>& scenes, server::ServerOptions& options) {
+  for (const std::string& scene : scenes) {
+    const auto equals = scene.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == scene.size()) {
+      return invalidInput("--scene " + scene + ": not NAME=FILE");
+    }
+    const std::string name = scene.substr(0, equals);
+    if (!server::validSceneName(name)) {
+      return invalidInput("--scene " + scene + ": name is not [A-Za-z0-9._-]{1,64}");
+    }
+    options.scene_files.emplace_back(name, scene.substr(equals + 1));
+  }
+  return Done{};
+}
+
+void drawProgress(std::size_t done, std::size_t total) {
+  constexpr std::size_t kWidth = 40;
+  const std::size_t filled = total == 0 ? kWidth : done * kWidth / total;
+  const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
+  std::fprintf(stderr, "\rloading [%s] %3zu %%%s", bar.c_str(),
+               total == 0 ? 100 : done * 100 / total, done >= total ? "\r\x1b[K" : "");
+}
+
+/// What the loading thread leaves behind; read after it was joined.
+struct Loading {
+  std::optional<Result<std::vector<std::string>>> result;
+};
+
+sigset_t watchedSignals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, kLoaded);
+  return set;
+}
+
+int awaitSignal(const sigset_t& set) {
+  int signal = 0;
+  while (sigwait(&set, &signal) != 0) {
+  }
+  return signal;
+}
+
+/// REQUIRES: the watched signals are blocked in all threads.
+int serveUntilSignal(server::Server& server, const sigset_t& set) {
+  Loading loading;
+  const pthread_t waiter = pthread_self();
+  std::thread loader([&server, &loading, waiter] {
+    loading.result = server.loadScenes();
+    pthread_kill(waiter, kLoaded);
+  });
+  if (awaitSignal(set) != kLoaded) std::_Exit(0);  // nothing was promised yet
+  loader.join();
+  if (!loading.result->ok()) return complain(kUsage, loading.result->error().message);
+  for (const std::string& line : loading.result->value()) spdlog::error("{}", line);
+  spdlog::info("ready");
+  while (awaitSignal(set) == kLoaded) {
+  }
+  spdlog::info("draining");
+  std::thread([set] { std::_Exit(128 + awaitSignal(set)); }).detach();  // a second signal: at once
+  server.drain();
+  spdlog::info("done");
+  return 0;
+}
+
+}  // namespace
+
+int runServe(const ServeArguments& arguments) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("culld"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
+  server::ServerOptions options;
+  if (auto r = parseListen(arguments.listen, options); !r) {
+    return complain(kUsage, r.error().message);
+  }
+  if (auto r = parseScenes(arguments.scenes, options); !r) {
+    return complain(kUsage, r.error().message);
+  }
+  options.unix_path = arguments.unix_path;
+  options.data_folder = arguments.data_folder;
+  options.threads = arguments.threads;
+  options.methods = allMethods();
+  if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
+
+  const sigset_t set = watchedSignals();
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  auto server = server::Server::start(std::move(options));
+  if (!server) {
+    return complain(server.error().code == ErrorCode::kIo ? kIo : kUnavailable,
+                    server.error().message);
+  }
+  const auto colon = arguments.listen.rfind(':');
+  spdlog::info("listening on {}:{}", arguments.listen.substr(0, colon), server.value()->port());
+  if (!arguments.unix_path.empty()) spdlog::info("listening on {}", arguments.unix_path);
+  return serveUntilSignal(*server.value(), set);
+}
+
+}  // namespace culld

@@ -1,0 +1,52 @@
+// The daemon as an object: listens, serves, drains. The program wraps it; tests start it
+// in-process.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "culling/core/result.h"
+#include "culling/scene/gltf_loader.h"
+#include "server/limits.h"
+#include "server/scene.h"
+
+namespace culld::server {
+
+struct ServerOptions {
+  std::string listen_host = "127.0.0.1";
+  std::uint16_t listen_port = 7420;  ///< 0: one that is free
+  std::string unix_path;             ///< empty: none
+  std::string data_folder;           ///< empty: uploads live as long as the process
+  std::vector<std::pair<std::string, std::string>> scene_files;  ///< name, path
+  std::size_t threads = 0;  ///< for culling; 0: as many as cores
+  Methods methods;
+  ServerLimits limits;
+  LoadOptions load;
+};
+
+class Server {
+ public:
+  /// Binds, then loads scenes while it answers already (not ready until all are loaded).
+  /// ERROR: kUnavailable: cannot bind, or the data folder is in use; kIo.
+  static Result<std::unique_ptr<Server>> start(ServerOptions options);
+  /// Stops at once.
+  ~Server();
+
+  std::uint16_t port() const noexcept;
+  /// Loads what the options name. Returns a line for each stored scene that could not be read.
+  /// ERROR: a scene file that cannot be read. THREADS: the one that called start().
+  Result<std::vector<std::string>> loadScenes();
+
+  /// Stops accepting, tells clients, lets work in flight finish (limits.drain_timeout), returns.
+  void drain();
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace culld::server

@@ -1,0 +1,346 @@
+#include "server/session.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/version.h"
+#include "server/translate.h"
+
+namespace culld::server {
+
+using protocol::Message;
+using protocol::WireCode;
+
+namespace {
+
+constexpr std::uint16_t kClosePolicy = 1008;
+
+std::string viewName(std::uint32_t view) { return "view " + std::to_string(view); }
+
+WireCode decodeCode(protocol::ErrorCode code) {
+  if (code == protocol::ErrorCode::kLimit) return WireCode::kLimitExceeded;
+  if (code == protocol::ErrorCode::kUnsupported) return WireCode::kUnsupported;
+  return WireCode::kBadMessage;
+}
+
+}  // namespace
+
+Session::Session(std::shared_ptr<Scene> scene, const SessionLimits& limits, std::string server_name,
+                 Time now)
+    : scene_(std::move(scene)),
+      limits_(limits),
+      server_name_(std::move(server_name)),
+      started_(now),
+      now_(now) {}
+
+// --- what comes in -------------------------------------------------------------------------------
+
+Actions Session::receive(std::span<const std::uint8_t> bytes, Time now) {
+  now_ = now;
+  if (closed_) return {};
+  std::uint64_t id = 0;
+  auto message = protocol::decode(bytes, limits_.max_message_bytes, &id);
+  if (message) {
+    dispatch(message.value());
+  } else {
+    fail(id, decodeCode(message.error().code), message.error().message);
+  }
+  return take();
+}
+
+Actions Session::receiveText() {
+  if (!closed_) fail(0, WireCode::kBadMessage, "text frame where a binary message is due");
+  return take();
+}
+
+void Session::dispatch(Message& message) {
+  const std::uint64_t id = message.id;
+  if (!greeted_ && !std::holds_alternative<protocol::Hello>(message.body)) {
+    return fail(id, WireCode::kHelloExpected, "the first message must be Hello");
+  }
+  std::visit(
+      [this, id](auto& body) {
+        if constexpr (requires { handle(id, body); }) {
+          handle(id, body);
+        } else {
+          fail(id, WireCode::kBadMessage, "a message that only a server sends");
+        }
+      },
+      message.body);
+}
+
+void Session::handle(std::uint64_t id, const protocol::Hello& m) {
+  if (greeted_) return fail(id, WireCode::kBadMessage, "Hello was said already");
+  if (m.proto_min > protocol::kProtocolMax || m.proto_max < protocol::kProtocolMin ||
+      m.proto_min > m.proto_max) {
+    return fail(id, WireCode::kUnsupportedVersion,
+                "protocol " + std::to_string(m.proto_min) + " to " + std::to_string(m.proto_max) +
+                    " asked for, " + std::to_string(protocol::kProtocolMin) + " to " +
+                    std::to_string(protocol::kProtocolMax) + " spoken here");
+  }
+  greeted_ = true;
+  const SceneVersionPtr scene = scene_->current();
+  protocol::Welcome welcome;
+  welcome.protocol = std::min(m.proto_max, protocol::kProtocolMax);
+  welcome.server = server_name_;
+  welcome.limits = {static_cast<std::uint32_t>(limits_.max_message_bytes), limits_.max_views,
+                    limits_.max_edits_per_request,
+                    static_cast<std::uint32_t>(limits_.idle_timeout.count())};
+  welcome.scene = describe(scene_->name(), *scene->snapshot());
+  told_epoch_ = scene->epoch();
+  told_version_ = welcome.scene.version;
+  reply(id, std::move(welcome));
+}
+
+void Session::handle(std::uint64_t id, const protocol::OpenView& m) {
+  const auto method = scene_->current()->method(m.method);
+  if (!method) {
+    return fail(id, toWire(method.error().code, WireCode::kUnknownMethod),
+                viewName(m.view) + ": " + method.error().message);
+  }
+  if (!views_.contains(m.view) && views_.size() >= limits_.max_views) {
+    return fail(id, WireCode::kLimitExceeded,
+                viewName(m.view) + ": more than " + std::to_string(limits_.max_views) + " views");
+  }
+  View view;
+  view.incarnation = next_incarnation_++;
+  view.method = m.method;
+  view.want_seen = m.want_seen;
+  views_.insert_or_assign(m.view, std::move(view));
+  const MethodInfo info = method.value()->info();
+  reply(id, protocol::ViewOpened{m.view, std::string(info.name), toWire(info.guarantee)});
+}
+
+void Session::handle(std::uint64_t id, const protocol::CloseView& m) {
+  if (views_.erase(m.view) == 0) {
+    return fail(id, WireCode::kUnknownView, viewName(m.view) + " is not open");
+  }
+  reply(id, protocol::ViewClosed{m.view});
+}
+
+void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
+  const auto at = views_.find(m.view);
+  if (at == views_.end()) {
+    return fail(id, WireCode::kUnknownView, viewName(m.view) + " is not open");
+  }
+  if (leaving_) return fail(id, WireCode::kUnavailable, "the server is going away");
+  const auto camera = toEngine(m.camera);
+  if (!camera) {
+    return fail(id, WireCode::kInvalidCamera, viewName(m.view) + ": " + camera.error().message);
+  }
+  const auto demand = toEngine(m.demand);
+  if (!demand) {
+    return fail(id, WireCode::kInvalidDemand, viewName(m.view) + ": " + demand.error().message);
+  }
+  View& view = at->second;
+  acknowledge(view, m.ack_frame);
+  if (view.mailbox) ++view.superseded;
+  view.mailbox = WaitingCamera{id, camera.value(), demand.value(), now_};
+  startCull(m.view, view);
+}
+
+void Session::handle(std::uint64_t id, protocol::Edit& m) {
+  if (leaving_) return fail(id, WireCode::kUnavailable, "the server is going away");
+  if (m.edits.empty()) return fail(id, WireCode::kInvalidEdit, "edit: an empty list");
+  if (m.edits.size() > limits_.max_edits_per_request) {
+    return fail(id, WireCode::kLimitExceeded,
+                "edit: " + std::to_string(m.edits.size()) + " edits > " +
+                    std::to_string(limits_.max_edits_per_request));
+  }
+  if (waiting_edits_.size() >= limits_.max_waiting_edits) {
+    return fail(id, WireCode::kLimitExceeded,
+                "edit: " + std::to_string(waiting_edits_.size()) + " are waiting already");
+  }
+  waiting_edits_.push_back({id, m.expected_version, std::move(m.edits)});
+  startEdit();
+}
+
+void Session::handle(std::uint64_t id, const protocol::Ping& m) {
+  reply(id, protocol::Pong{m.time_ns});
+}
+
+// --- work done -----------------------------------------------------------------------------------
+
+Actions Session::culled(CullOutcome outcome) {
+  --jobs_;
+  CullJob& job = outcome.job;
+  View* view = find(job.view, job.incarnation);
+  if (view == nullptr || closed_) return take();
+  view->running = false;
+  view->last_took = outcome.took;
+  if (job.scene->epoch() != told_epoch_) {
+    // The scene was replaced meanwhile. Its newest camera still wants an answer.
+    view->superseded += job.superseded + (view->mailbox ? 1U : 0U);
+    if (!view->mailbox) {
+      view->mailbox = WaitingCamera{job.request_id, job.camera, job.demand, job.received};
+    }
+  } else if (outcome.visible) {
+    keep(*view, job.frame, std::move(outcome.visible));
+    view->unsent = true;
+    ++unsent_;
+    actions_.push_back(
+        Send{std::move(outcome.message), {SendTag::Kind::kAnswer, job.view, job.incarnation}});
+  } else {
+    view->superseded += job.superseded;
+    ++unsent_;
+    actions_.push_back(Send{std::move(outcome.message), {}});
+  }
+  startCull(job.view, *view);
+  return take();
+}
+
+Actions Session::edited(EditDone done) {
+  editing_ = false;
+  if (closed_) return {};
+  ++unsent_;
+  actions_.push_back(Send{std::move(done.message), {}});
+  startEdit();
+  startCulls();
+  return take();
+}
+
+Actions Session::sent(const SendTag& tag) {
+  --unsent_;
+  if (closed_) return {};
+  if (tag.kind == SendTag::Kind::kNotice) {
+    notice_unsent_ = false;
+    noticeScene();
+  }
+  if (tag.kind == SendTag::Kind::kAnswer) {
+    if (View* view = find(tag.view, tag.incarnation)) {
+      view->unsent = false;
+      startCull(tag.view, *view);
+    }
+  }
+  return take();
+}
+
+Actions Session::sceneMoved() {
+  if (greeted_ && !closed_) noticeScene();
+  return take();
+}
+
+Actions Session::tick(Time now) {
+  now_ = now;
+  if (!greeted_ && !closed_ && now - started_ >= limits_.hello_timeout) {
+    closed_ = true;
+    actions_.push_back(Close{kClosePolicy, "no Hello in time"});
+  }
+  return take();
+}
+
+Actions Session::goAway(const std::string& reason) {
+  if (!leaving_ && !closed_) {
+    leaving_ = true;
+    reply(0, protocol::GoAway{reason});
+  }
+  return take();
+}
+
+bool Session::drained() const noexcept {
+  const bool waiting = std::any_of(views_.begin(), views_.end(), [](const auto& entry) {
+    return entry.second.mailbox.has_value();
+  });
+  return jobs_ == 0 && unsent_ == 0 && !editing_ && waiting_edits_.empty() && !waiting;
+}
+
+// --- inner workings ------------------------------------------------------------------------------
+
+void Session::reply(std::uint64_t id, protocol::Body body) {
+  ++unsent_;
+  actions_.push_back(Send{protocol::encode(Message{id, std::move(body)}), {}});
+}
+
+void Session::fail(std::uint64_t id, WireCode code, std::string message) {
+  reply(id, protocol::ErrorReply{code, std::move(message)});
+}
+
+Session::View* Session::find(std::uint32_t number, std::uint64_t incarnation) {
+  const auto at = views_.find(number);
+  return at != views_.end() && at->second.incarnation == incarnation ? &at->second : nullptr;
+}
+
+void Session::acknowledge(View& view, std::uint32_t frame) {
+  const auto at = std::find_if(view.kept.begin(), view.kept.end(),
+                               [frame](const KeptFrame& kept) { return kept.frame == frame; });
+  view.acked_frame = at == view.kept.end() ? 0 : frame;
+  if (at != view.kept.end()) view.kept.erase(view.kept.begin(), at);
+}
+
+void Session::keep(View& view, std::uint32_t frame, IdSetPtr visible) {
+  view.kept.push_back({frame, std::move(visible)});
+  std::size_t ids = 0;
+  for (const KeptFrame& kept : view.kept) ids += kept.visible->size();
+  while (view.kept.size() > limits_.kept_frames ||
+         (view.kept.size() > 1 && ids > limits_.kept_ids)) {
+    ids -= view.kept.front().visible->size();
+    view.kept.pop_front();
+  }
+}
+
+void Session::startCull(std::uint32_t number, View& view) {
+  // A client's own edits come first, so that its next answer shows them.
+  if (view.running || view.unsent || !view.mailbox || editing_ || closed_) return;
+  SceneVersionPtr scene = scene_->current();
+  if (scene->epoch() != told_epoch_) noticeScene();
+  CullJob job;
+  job.request_id = view.mailbox->request_id;
+  job.view = number;
+  job.incarnation = view.incarnation;
+  job.frame = ++view.last_frame;
+  if (!view.kept.empty() && view.kept.front().frame == view.acked_frame) {
+    job.baseline_frame = view.acked_frame;
+    job.baseline = view.kept.front().visible;
+  }
+  job.superseded = std::exchange(view.superseded, 0);
+  job.scene = std::move(scene);
+  job.method = view.method;
+  job.want_seen = view.want_seen;
+  job.camera = view.mailbox->camera;
+  job.demand = view.mailbox->demand;
+  job.memory = view.memory;
+  job.received = view.mailbox->received;
+  job.expected = view.last_took;
+  view.mailbox.reset();
+  view.running = true;
+  ++jobs_;
+  actions_.push_back(StartCull{std::move(job)});
+}
+
+void Session::startCulls() {
+  for (auto& [number, view] : views_) startCull(number, view);
+}
+
+void Session::startEdit() {
+  if (editing_ || waiting_edits_.empty()) return;
+  editing_ = true;
+  actions_.push_back(StartEdit{std::move(waiting_edits_.front())});
+  waiting_edits_.pop_front();
+}
+
+void Session::noticeScene() {
+  const SceneVersionPtr scene = scene_->current();
+  const bool replaced = scene->epoch() != told_epoch_;
+  const std::uint64_t version = scene->snapshot()->version();
+  if (!replaced && (version == told_version_ || notice_unsent_)) return;
+  if (replaced) forgetFrames();
+  told_epoch_ = scene->epoch();
+  told_version_ = version;
+  notice_unsent_ = true;
+  ++unsent_;
+  actions_.push_back(
+      Send{protocol::encode(Message{
+               0, protocol::SceneChanged{describe(scene_->name(), *scene->snapshot()), replaced}}),
+           {SendTag::Kind::kNotice, 0, 0}});
+}
+
+void Session::forgetFrames() {
+  for (auto& [number, view] : views_) {
+    view.kept.clear();
+    view.acked_frame = 0;
+    view.memory = std::make_shared<ViewMemory>();
+  }
+}
+
+}  // namespace culld::server
