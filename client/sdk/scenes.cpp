@@ -95,6 +95,17 @@ Result<SceneDetails> askScene(const Address& address, const HttpRequest& request
 Scenes::Scenes(Address address, HttpTimeouts timeouts)
     : address_(std::move(address)), timeouts_(timeouts) {}
 
+Result<ServerDetails> Scenes::server() const {
+  const auto reply = ask(address_, {"GET", "/version", {}, {}}, timeouts_);
+  if (!reply) return reply.error();
+  ServerDetails server;
+  server.name = textIn(reply.value(), "server");
+  server.protocol_min = static_cast<std::uint32_t>(numberIn(reply.value(), "protocol_min"));
+  server.protocol_max = static_cast<std::uint32_t>(numberIn(reply.value(), "protocol_max"));
+  if (server.name.empty()) return unreadable(address_);
+  return server;
+}
+
 Result<std::vector<SceneDetails>> Scenes::list() const {
   const auto reply = ask(address_, {"GET", "/v1/scenes", {}, {}}, timeouts_);
   if (!reply) return reply.error();

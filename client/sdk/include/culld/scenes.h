@@ -35,6 +35,12 @@ struct ObjectTable {
   std::vector<ObjectName> names;  ///< by object id
 };
 
+/// A server as it describes itself.
+struct ServerDetails {
+  std::string name;  ///< program and version
+  std::uint32_t protocol_min = 0, protocol_max = 0;
+};
+
 struct HttpTimeouts {
   std::chrono::milliseconds connect{5'000};
   std::chrono::milliseconds exchange{30'000};  ///< silence allowed while bytes should flow
@@ -47,6 +53,7 @@ class Scenes {
  public:
   explicit Scenes(Address address, HttpTimeouts timeouts = {});
 
+  Result<ServerDetails> server() const;
   Result<std::vector<SceneDetails>> list() const;
   Result<SceneDetails> info(const std::string& name) const;
   Result<Done> remove(const std::string& name) const;

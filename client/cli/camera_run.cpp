@@ -1,0 +1,114 @@
+#include "client/cli/camera_run.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/camera_file.h"
+
+namespace culld::client {
+namespace {
+
+/// What a server says about a view, without the view's number and the words before the field: the
+/// reader knows a file, not a wire.
+std::string withoutView(std::string message) {
+  for (const std::string_view prefix : {"view 1: ", "camera: "}) {
+    if (message.rfind(prefix, 0) == 0) message.erase(0, prefix.size());
+  }
+  return message;
+}
+
+}  // namespace
+
+int CameraRun::start(const Address& server, const CullArguments& arguments) {
+  arguments_ = &arguments;
+  const auto guarantee = protocol::guaranteeNamed(arguments.guarantee);
+  if (!guarantee) return fail(guarantee.error());
+  demand_ = arguments.demand;
+  demand_.guarantee = guarantee.value();
+  auto cameras =
+      protocol::readCameraFile(arguments.cameras, {arguments.width_px, arguments.height_px});
+  if (!cameras) return fail(kUsage, cameras.error().message);
+  cameras_ = std::move(cameras).value();
+  return openView(server);
+}
+
+int CameraRun::openView(const Address& server) {
+  const CullArguments& a = *arguments_;
+  if (!a.output.empty()) {
+    auto objects = Scenes(server).objects(a.scene);
+    if (!objects) return fail(objects.error());
+    objects_ = std::move(objects).value();
+    writer_.emplace(std::exchange(objects_.names, {}));
+  }
+  auto connection = Connection::open(server, a.scene);
+  if (!connection) return fail(connection.error());
+  connection_ = std::move(connection).value();
+  connection_->onSceneChanged([this](const SceneInfo&, bool replaced) {
+    if (replaced) replaced_ = true;
+  });
+  auto view = connection_->openView(a.method, true);
+  if (!view) {
+    if (view.error().code == ErrorCode::kUnavailable) return fail(view.error());
+    return fail(kUsage, withoutView(view.error().message));
+  }
+  view_ = std::move(view).value();
+  const SceneInfo scene = connection_->scene();
+  header_ = {view_->method(), view_->guarantee(), scene.objects, scene.triangles};
+  if (!protocol::satisfies(view_->guarantee(), demand_.guarantee)) {
+    return fail(kUsage, "method " + header_.method + ": gives " +
+                            protocol::guaranteeName(view_->guarantee()) + " answers, not the " +
+                            a.guarantee + " ones demanded");
+  }
+  return kFine;
+}
+
+FramePtr CameraRun::cull(std::size_t camera) {
+  auto frame = view_->cull(cameras_[camera], demand_);
+  if (!frame) {
+    const Error& error = frame.error();
+    if (error.code == ErrorCode::kUnavailable) return stop(fail(error));
+    return stop(fail(kUsage, arguments_->cameras + ": camera " + std::to_string(camera) + ": " +
+                                 withoutView(error.message)));
+  }
+  if (!protocol::satisfies(frame.value()->guarantee, demand_.guarantee)) {
+    return stop(fail(kFailed, arguments_->cameras + ": camera " + std::to_string(camera) +
+                                  ": the answer is " +
+                                  protocol::guaranteeName(frame.value()->guarantee) + ", not " +
+                                  arguments_->guarantee));
+  }
+  if (writer_ && !record(camera, *frame.value())) return nullptr;
+  return std::move(frame).value();
+}
+
+FramePtr CameraRun::stop(int exit_code) {
+  exit_code_ = exit_code;
+  return nullptr;
+}
+
+bool CameraRun::record(std::size_t camera, const Frame& frame) {
+  if (replaced_ || frame.scene_version != objects_.version) {
+    exit_code_ = fail(kFailed, "scene " + arguments_->scene + " was changed while it was culled");
+    return false;
+  }
+  header_.method = frame.method;
+  header_.guarantee = std::max(header_.guarantee, frame.guarantee);  // the weakest of all
+  protocol::AnswerFrame answer;
+  answer.camera = camera;
+  answer.visible = frame.visible;
+  answer.seen = frame.seen;
+  answer.seconds = static_cast<double>(frame.stats.cull_ns) * 1e-9;
+  answer.missed_px = frame.missed_px;
+  answer.proven = frame.proven;
+  answer.out_of_budget = frame.out_of_budget;
+  const auto added = writer_->add(answer);
+  if (!added) exit_code_ = fail(kFailed, arguments_->cameras + ": " + added.error().message);
+  return added.ok();
+}
+
+int CameraRun::finish() {
+  if (!writer_) return kFine;
+  const auto written = protocol::writeTextFile(arguments_->output, writer_->text(header_));
+  return written ? kFine : fail(kDisk, written.error().message);
+}
+
+}  // namespace culld::client

@@ -1,0 +1,27 @@
+#include "client/cli/commands.h"
+
+#include <iostream>
+
+namespace culld::client {
+
+int fail(ExitCode code, const std::string& message) {
+  std::cerr << "cullctl: " << message << '\n';
+  return code;
+}
+
+int fail(const protocol::Error& error) {
+  switch (error.code) {
+    case protocol::ErrorCode::kInvalidInput:
+    case protocol::ErrorCode::kUnsupported:
+    case protocol::ErrorCode::kIo:  // a file that was to be read
+      return fail(kUsage, error.message);
+    case protocol::ErrorCode::kUnavailable:
+      return fail(kUnreachable, error.message);
+    case protocol::ErrorCode::kNotFound:
+    case protocol::ErrorCode::kLimit:
+      break;
+  }
+  return fail(kFailed, error.message);
+}
+
+}  // namespace culld::client

@@ -1,0 +1,112 @@
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "client/cli/camera_run.h"
+#include "client/cli/commands.h"
+#include "client/cli/numbers.h"
+
+namespace culld::client {
+namespace {
+
+using nlohmann::json;
+
+struct Measured {
+  std::uint32_t in_frustum = 0;
+  std::size_t answered = 0, bytes = 0;
+  double server_ms = 0.0, round_trip_ms = 0.0;
+  bool delta = false;
+};
+
+void printHead(const CameraRun& run) {
+  const SceneInfo scene = run.scene();
+  std::printf("%s: %u objects, %llu triangles; method %s, %s\n", scene.name.c_str(), scene.objects,
+              static_cast<unsigned long long>(scene.triangles), run.view().method().c_str(),
+              protocol::guaranteeName(run.view().guarantee()).c_str());
+  std::printf("%6s %9s %11s %9s %10s %13s %9s\n", "frame", "objects", "in frustum", "answered",
+              "server ms", "round trip ms", "bytes");
+}
+
+void printFrame(std::size_t number, std::uint32_t objects, const Measured& m) {
+  std::printf("%6zu %9u %11u %9zu %10.3f %13.3f %9zu%s\n", number, objects, m.in_frustum,
+              m.answered, m.server_ms, m.round_trip_ms, m.bytes, m.delta ? " (change)" : "");
+  std::fflush(stdout);
+}
+
+template <typename Field>
+auto fieldOf(const std::vector<Measured>& all, Field Measured::*field) {
+  std::vector<Field> values;
+  for (const Measured& m : all) values.push_back(m.*field);
+  return values;
+}
+
+void printSummary(const std::vector<Measured>& all) {
+  const auto server = fieldOf(all, &Measured::server_ms);
+  const auto trip = fieldOf(all, &Measured::round_trip_ms);
+  const auto bytes = fieldOf(all, &Measured::bytes);
+  std::printf("%zu frames, medians: %u in frustum, %zu answered\n", all.size(),
+              percentile(fieldOf(all, &Measured::in_frustum), 50),
+              percentile(fieldOf(all, &Measured::answered), 50));
+  std::printf("server time: median %.3f ms, p95 %.3f ms; round trip: median %.3f ms, p95 %.3f ms\n",
+              percentile(server, 50), percentile(server, 95), percentile(trip, 50),
+              percentile(trip, 95));
+  std::printf("bytes a frame: median %zu, p95 %zu\n", percentile(bytes, 50), percentile(bytes, 95));
+}
+
+json jsonOf(std::size_t camera, const Frame& frame, const Measured& m) {
+  return {{"camera", camera},
+          {"objects", frame.scene_objects},
+          {"in_frustum", m.in_frustum},
+          {"answered", m.answered},
+          {"bytes", m.bytes},
+          {"delta", m.delta},
+          {"server_seconds", m.server_ms * 1e-3},
+          {"round_trip_seconds", m.round_trip_ms * 1e-3},
+          {"method", frame.method},
+          {"guarantee", protocol::guaranteeName(frame.guarantee)},
+          {"objects_visible", frame.visible}};
+}
+
+Measured measure(const Frame& frame, std::chrono::steady_clock::duration round_trip) {
+  Measured m;
+  m.in_frustum = frame.stats.in_frustum;
+  m.answered = frame.visible.size();
+  m.bytes = frame.wire_bytes;
+  m.server_ms = static_cast<double>(frame.stats.cull_ns) * 1e-6;
+  m.round_trip_ms = std::chrono::duration<double, std::milli>(round_trip).count();
+  m.delta = frame.delta;
+  return m;
+}
+
+int writeJson(const std::string& path, const json& frames) {
+  const std::string text = frames.dump(-1, ' ', false, json::error_handler_t::replace) + '\n';
+  const auto written = protocol::writeTextFile(path, text);
+  return written ? kFine : fail(kDisk, written.error().message);
+}
+
+}  // namespace
+
+int runFly(const Address& server, const FlyArguments& arguments) {
+  CameraRun run;
+  if (const int code = run.start(server, arguments.cull); code != kFine) return code;
+  printHead(run);
+  std::vector<Measured> all;
+  json frames = json::array();
+  do {
+    for (std::size_t i = 0; i < run.cameras().size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      const FramePtr frame = run.cull(i);
+      if (frame == nullptr) return run.exitCode();
+      const Measured m = measure(*frame, std::chrono::steady_clock::now() - start);
+      printFrame(i, frame->scene_objects, m);
+      if (!arguments.loop) all.push_back(m);
+      if (!arguments.json_output.empty()) frames.push_back(jsonOf(i, *frame, m));
+    }
+  } while (arguments.loop && !run.cameras().empty());
+  printSummary(all);
+  if (const int code = run.finish(); code != kFine) return code;
+  return arguments.json_output.empty() ? kFine : writeJson(arguments.json_output, frames);
+}
+
+}  // namespace culld::client
