@@ -5,10 +5,9 @@
 #include <array>
 #include <cstdint>
 
-namespace culld {
+#include "culling/raster/triangle_setup.h"
 
-/// At most: three edges and the cuts at the two clip planes.
-inline constexpr std::uint32_t kMaxSides = 5;
+namespace culld {
 
 /// Where in a cell its sample point lies: off the diagonals and middles where inner edges like to
 /// be.

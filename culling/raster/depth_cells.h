@@ -1,5 +1,6 @@
 // What the occluders drawn so far prove: per cell a nearness such that every ray through the cell
-// meets a blocking surface at least that near. 0 means nothing is proven.
+// meets a blocking surface at least that near. 0 means nothing is proven. A block's own nearness
+// holds for all its cells, whatever theirs says.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -22,6 +23,8 @@ class DepthCells {
   const CellGrid& grid() const noexcept { return grid_; }
   /// The block's 64 cells, cell (i, j) at 8 * j + i.
   float* cells(std::uint32_t block);
+  /// True if cells() was called for the block since reset().
+  bool used(std::uint32_t block) const noexcept { return used_in_[block] == frame_; }
   /// Every cell of the block is at least this near.
   float leastNearness(std::uint32_t block) const noexcept { return least_[block]; }
   void setLeastNearness(std::uint32_t block, float least) noexcept { least_[block] = least; }

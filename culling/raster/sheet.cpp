@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "culling/raster/triangle_blocks.h"
+
 namespace culld {
 namespace {
 
 constexpr std::uint32_t kNoSlot = 0xFFFFFFFFU;
+constexpr std::uint32_t kGivenUp = 0xFFFFFFFEU;
 constexpr std::uint32_t kNoPartner = 0xFFFFFFFFU;
 
 /// One row of mesh space -> cells, and the bound on its rounding error over the object.
@@ -39,6 +42,12 @@ ObjectRow objectRow(const glm::dvec4& row, const std::array<double, 12>& m,
 
 double at(const ObjectRow& row, const glm::dvec3& p) {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.constant;
+}
+
+/// Greatest depth that the masks will write for this part.
+float nearestOf(const BlockTriangle& t) {
+  const float plane = t.depth_c + 7.0F * (std::max(t.depth_a, 0.0F) + std::max(t.depth_b, 0.0F));
+  return std::max(plane, t.depth_floor);
 }
 
 }  // namespace
@@ -76,6 +85,7 @@ void SheetRasterizer::orient(const SheetObject& object, const CellView& view) {
 
 SheetBlock& SheetRasterizer::sheetBlock(std::uint32_t block) {
   std::uint32_t& slot = slot_of_block_[block];
+  if (slot == kGivenUp) return scrap_;
   if (slot == kNoSlot) {
     slot = static_cast<std::uint32_t>(touched_.size());
     touched_.push_back(block);
@@ -83,6 +93,36 @@ SheetBlock& SheetRasterizer::sheetBlock(std::uint32_t block) {
     blocks_[slot].clear();
   }
   return blocks_[slot];
+}
+
+/// The sheet can bring nothing more here than the block already has. Leaving a whole block out of a
+/// sheet is sound: every cell is proven by itself.
+void SheetRasterizer::giveUp(std::uint32_t block) {
+  if (slot_of_block_[block] == kNoSlot) touched_.push_back(block);
+  if (touched_.size() > blocks_.size()) blocks_.emplace_back();
+  slot_of_block_[block] = kGivenUp;
+}
+
+void SheetRasterizer::fillBlock(std::uint32_t block, float farthest, DepthCells& cells) {
+  // The sheet is nowhere nearer than this triangle, which is one of it.
+  cells.setLeastNearness(block, std::max(cells.leastNearness(block), farthest));
+  giveUp(block);
+}
+
+void SheetRasterizer::drawBlock(const ProjectedTriangle& triangle, std::uint32_t block_x,
+                                std::uint32_t block_y, std::uint32_t net_edges, float nearest,
+                                DepthCells& cells) {
+  const std::uint32_t block = block_y * cells.grid().blocks_x + block_x;
+  const float least = cells.leastNearness(block);
+  // Nothing of this object can raise the block: leave it out for all its triangles.
+  if (least >= nearest) return;
+  const std::optional<BlockTriangle> part = blockTriangle(triangle, block_x, block_y, net_edges);
+  if (!part) return;
+  if (nearestOf(*part) <= least) {
+    giveUp(block);
+  } else {
+    addTriangle(*part, sheetBlock(block), cells.cells(block));
+  }
 }
 
 void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t triangle,
@@ -98,16 +138,16 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
     const bool inner = partner != kNoPartner && orientation_[partner / 3] == sign;
     if (!inner) net_edges |= 1U << e;
   }
-  const std::uint32_t blocks_x = cells.grid().blocks_x;
   for (std::uint32_t y = projected.cell_y0 / kBlockSide; y <= projected.cell_y1 / kBlockSide; ++y) {
-    for (std::uint32_t x = projected.cell_x0 / kBlockSide; x <= projected.cell_x1 / kBlockSide;
-         ++x) {
-      const std::uint32_t block = y * blocks_x + x;
-      // Nothing of this object can raise the block: leaving the block out for all its triangles is
-      // sound.
-      if (cells.leastNearness(block) >= object.nearest) continue;
-      const std::optional<BlockTriangle> part = blockTriangle(projected, x, y, net_edges);
-      if (part) addTriangle(*part, sheetBlock(block), cells.cells(block));
+    const BlockSpan span = blockSpan(projected, y);
+    for (std::uint32_t x = span.first_touched; x < span.first_filled; ++x) {
+      drawBlock(projected, x, y, net_edges, object.nearest, cells);
+    }
+    for (std::uint32_t x = span.first_filled; x < span.end_filled; ++x) {
+      fillBlock(y * cells.grid().blocks_x + x, blockFarthest(projected, x, y), cells);
+    }
+    for (std::uint32_t x = span.end_filled; x < span.end_touched; ++x) {
+      drawBlock(projected, x, y, net_edges, object.nearest, cells);
     }
   }
 }
@@ -116,10 +156,12 @@ void SheetRasterizer::finish(DepthCells& cells) {
   for (std::size_t slot = 0; slot < touched_.size(); ++slot) {
     const std::uint32_t block = touched_[slot];
     const SheetBlock& sheet = blocks_[slot];
-    const float least =
-        raiseCells(sheet.sampled & ~sheet.rim, sheet.farthest.data(), cells.cells(block));
-    cells.setLeastNearness(block, least);
+    const bool given_up = slot_of_block_[block] == kGivenUp;
     slot_of_block_[block] = kNoSlot;
+    if (given_up && !cells.used(block)) continue;
+    const std::uint64_t covered = given_up ? 0 : sheet.sampled & ~sheet.rim;
+    const float least = raiseCells(covered, sheet.farthest.data(), cells.cells(block));
+    cells.setLeastNearness(block, std::max(cells.leastNearness(block), least));
   }
   touched_.clear();
 }

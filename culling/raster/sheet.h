@@ -45,6 +45,10 @@ class SheetRasterizer {
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
   void orient(const SheetObject& object, const CellView& view);
   void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
+  void drawBlock(const ProjectedTriangle& triangle, std::uint32_t block_x, std::uint32_t block_y,
+                 std::uint32_t net_edges, float nearest, DepthCells& cells);
+  void fillBlock(std::uint32_t block, float farthest, DepthCells& cells);
+  void giveUp(std::uint32_t block);
   SheetBlock& sheetBlock(std::uint32_t block);
   void finish(DepthCells& cells);
 
@@ -52,9 +56,10 @@ class SheetRasterizer {
   CellVertexError error_;
   std::vector<CellVertex> vertices_;
   std::vector<std::int8_t> orientation_;  ///< per triangle: 0 = not part of the sheet
+  std::vector<std::uint32_t> touched_;    ///< blocks of this object, in the order of their slots
   std::vector<std::uint32_t> slot_of_block_;
-  std::vector<SheetBlock> blocks_;
-  std::vector<std::uint32_t> touched_;  ///< block of each slot in use
+  std::vector<SheetBlock> blocks_;  ///< by slot
+  SheetBlock scrap_;                ///< takes what goes to blocks that were given up
 };
 
 }  // namespace culld

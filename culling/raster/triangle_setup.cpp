@@ -4,17 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "culling/raster/cell_view.h"
-#include "culling/raster/rounding.h"
-
 namespace culld {
 namespace {
 
-constexpr double kBlockCells = kBlockSide;
-constexpr double kUnit = 0x1p-53;        ///< half an ulp of 1
-constexpr double kMaskMargin = 0x1p-12;  ///< cells; covers the float evaluation of masks (§4.3)
-constexpr double kUsableError = 0.5;     ///< cells; a line known worse than this decides nothing
-constexpr double kTiny = 1e-280;         ///< below this, underflow could exceed the error bounds
+constexpr double kUnit = 0x1p-53;  ///< half an ulp of 1
+constexpr double kTiny = 1e-280;   ///< below this, underflow could exceed the error bounds
 
 /// Cross product of two vertices: the line through them, unscaled, and bounds on its errors.
 struct RawLine {
@@ -64,7 +58,7 @@ SideLine sideLine(double a, double b, double c, double error, const GridSize& g,
   SideLine side{a * scale, b * scale, c * scale, 0.0};
   side.error = 1.01 * error / length + 8.0 * kUnit * (g.width + g.height + std::abs(side.c));
   const bool usable = length > kTiny && std::isfinite(side.a) && std::isfinite(side.b) &&
-                      std::isfinite(side.c) && side.error <= kUsableError;
+                      std::isfinite(side.c) && side.usable();
   if (!usable) return {0.0, 0.0, 0.0, std::numeric_limits<double>::infinity()};
   return side;
 }
@@ -205,52 +199,6 @@ ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, cons
   addCut(t, opposite, {p.near_cut, q.near_cut, r.near_cut}, error.near_cut, grid, orientation);
   addCut(t, opposite, {p.far_cut, q.far_cut, r.far_cut}, error.far_cut, grid, orientation);
   return t;
-}
-
-std::optional<BlockTriangle> blockTriangle(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                                           std::uint32_t block_y,
-                                           std::uint32_t net_edges) noexcept {
-  const double u0 = static_cast<double>(block_x) * kBlockCells;
-  const double v0 = static_cast<double>(block_y) * kBlockCells;
-  BlockTriangle block;
-  block.sides = 0;
-  for (std::uint32_t s = 0; s < triangle.side_count; ++s) {
-    const SideLine& side = triangle.sides[s];
-    const std::uint32_t k = block.sides;
-    const bool net = s >= 3 || (net_edges >> s & 1U) != 0;
-    if (!(side.error <= kUsableError)) {  // decides nothing: no cell inside, every cell touched
-      block.a[k] = block.b[k] = block.c[k] = 0.0F;
-      block.inside[k] = block.sample[k] = 1.0F;
-      block.touch[k] = -1.0F;
-    } else {
-      const double m = side.error + kMaskMargin;
-      const double c = side.c + side.a * u0 + side.b * v0;
-      const double low_a = std::min(side.a, 0.0), low_b = std::min(side.b, 0.0);
-      const double high_a = std::max(side.a, 0.0), high_b = std::max(side.b, 0.0);
-      if (c + kBlockCells * (high_a + high_b) + m < 0.0) return std::nullopt;
-      if (c + kBlockCells * (low_a + low_b) - m > 0.0) continue;  // the whole block is inside
-      block.a[k] = static_cast<float>(side.a);
-      block.b[k] = static_cast<float>(side.b);
-      block.c[k] = static_cast<float>(c);
-      block.inside[k] = floatUp(m - low_a - low_b);
-      block.touch[k] = floatDown(-m - high_a - high_b);
-      block.sample[k] = floatUp(m - side.a * kSampleX - side.b * kSampleY);
-    }
-    if (net) block.net_sides |= 1U << k;
-    ++block.sides;
-  }
-  const double a = triangle.depth_a, b = triangle.depth_b;
-  const double c = triangle.depth_c + a * u0 + b * v0 + std::min(a, 0.0) + std::min(b, 0.0);
-  const double slack = 0x1p-20 * (std::abs(c) + 8.0 * (std::abs(a) + std::abs(b))) + 1e-37;
-  block.depth_floor = floatDown(triangle.depth_floor);
-  if (std::abs(c) + 8.0 * (std::abs(a) + std::abs(b)) + slack < 1e37) {
-    block.depth_a = static_cast<float>(a);
-    block.depth_b = static_cast<float>(b);
-    block.depth_c = floatDown(c - slack);
-  } else {
-    block.depth_c = block.depth_floor;
-  }
-  return block;
 }
 
 }  // namespace culld

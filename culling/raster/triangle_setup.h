@@ -1,13 +1,9 @@
-// From three projected vertices to the half-planes and the depth plane of coverage_kernels.h, with
-// every rounding error on the safe side. Homogeneous edge functions (Olano, Greer 1997): no
-// clipping, a triangle may reach behind the eye. docs/error-model.md §4 derives each bound used
-// here.
+// From three projected vertices to half-planes and a depth plane over the image, with every
+// rounding error on the safe side. Homogeneous edge functions (Olano, Greer 1997): no clipping, a
+// triangle may reach behind the eye. docs/error-model.md §4 derives each bound used here.
 #pragma once
 #include <array>
 #include <cstdint>
-#include <optional>
-
-#include "culling/raster/coverage_kernels.h"
 
 namespace culld {
 
@@ -25,7 +21,11 @@ struct CellVertexError {
 /// True value - computed value is within +- error (cells) everywhere on the grid.
 struct SideLine {
   double a, b, c, error;
+  bool usable() const noexcept { return error <= 0.5; }  ///< worse, and it decides nothing
 };
+
+/// At most: three edges and the cuts at the two clip planes.
+inline constexpr std::uint32_t kMaxSides = 5;
 
 /// A triangle that surely turns one known side to the eye.
 struct ProjectedTriangle {
@@ -51,10 +51,5 @@ int certainOrientation(const CellVertex& p, const CellVertex& q, const CellVerte
 ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
                                   const CellVertexError& error, const GridSize& grid,
                                   int orientation) noexcept;
-
-/// The triangle as block (block_x, block_y) sees it. `net_edges`: bit e set if edge e is a net edge
-/// of its sheet; clip cuts always are. nullopt: it surely touches no cell of the block.
-std::optional<BlockTriangle> blockTriangle(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                                           std::uint32_t block_y, std::uint32_t net_edges) noexcept;
 
 }  // namespace culld

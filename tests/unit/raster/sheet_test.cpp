@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -78,7 +79,8 @@ class SheetTest : public ::testing::Test {
     return covered;
   }
   float cellAt(std::uint32_t x, std::uint32_t y) {
-    return cells_.cells(y / 8 * view_.grid.blocks_x + x / 8)[y % 8 * 8 + x % 8];
+    const std::uint32_t block = y / 8 * view_.grid.blocks_x + x / 8;
+    return std::max(cells_.cells(block)[y % 8 * 8 + x % 8], cells_.leastNearness(block));
   }
   std::uint64_t allCells() const { return std::uint64_t{view_.grid.width} * view_.grid.height; }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "culling/raster/cell_view.h"
-#include "culling/raster/triangle_setup.h"
+#include "culling/raster/triangle_blocks.h"
 
 namespace culld {
 namespace {
@@ -140,16 +140,24 @@ struct Drawn {
   std::uint64_t filled = 0;
 };
 
+/// As the sheet rasterizer goes through the blocks.
 std::map<std::uint32_t, Drawn> drawBlocks(const ProjectedTriangle& t, std::uint32_t net_edges) {
   std::map<std::uint32_t, Drawn> blocks;
   if (!t.on_grid) return blocks;
   for (std::uint32_t y = t.cell_y0 / 8; y <= t.cell_y1 / 8; ++y) {
-    for (std::uint32_t x = t.cell_x0 / 8; x <= t.cell_x1 / 8; ++x) {
-      const auto part = blockTriangle(t, x, y, net_edges);
-      if (!part) continue;
-      Drawn& drawn = blocks[y * kBlocks + x];
+    const BlockSpan span = blockSpan(t, y);
+    for (std::uint32_t x = span.first_touched; x < span.end_touched; ++x) {
+      Drawn drawn;
       drawn.sheet.clear();
-      drawn.filled = addTriangle(*part, drawn.sheet, drawn.nearness.data());
+      if (x >= span.first_filled && x < span.end_filled) {
+        drawn.filled = drawn.sheet.sampled = ~std::uint64_t{0};
+        drawn.sheet.farthest.fill(blockFarthest(t, x, y));
+      } else if (const auto part = blockTriangle(t, x, y, net_edges)) {
+        drawn.filled = addTriangle(*part, drawn.sheet, drawn.nearness.data());
+      } else {
+        continue;
+      }
+      blocks[y * kBlocks + x] = drawn;
     }
   }
   return blocks;
