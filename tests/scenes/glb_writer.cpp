@@ -1,8 +1,11 @@
 // glTF 2.0 §4.4: header, one JSON chunk, one binary chunk. Three views share the one buffer.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
 
 #include "tests/scenes/model.h"
 
@@ -170,7 +173,9 @@ class GlbWriter {
     for (Json& accessor : document_["accessors"]) {
       accessor["bufferView"] = number_of[accessor["bufferView"].get<std::size_t>()];
     }
-    document_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
+    Json buffer = Json::object();
+    buffer["byteLength"] = binary_.size();
+    document_["buffers"].push_back(std::move(buffer));
   }
 
   std::vector<std::byte> assemble() const {

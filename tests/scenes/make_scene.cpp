@@ -61,9 +61,13 @@ int main(int argc, char** argv) {
     command->add_option("-o,--output", arguments.glb, "the .glb to write")->required();
     command->add_option("--cameras", arguments.cameras, "the cameras file to write");
     command->add_option("--seed", arguments.city.seed, "names the scene")->capture_default_str();
-    command->add_option("--frames", arguments.city.frames, "cameras")->capture_default_str();
+    command->add_option("--frames", arguments.city.frames, "cameras")
+        ->check(CLI::Range(1, 1'000'000))
+        ->capture_default_str();
   }
-  city->add_option("--objects", arguments.city.objects, "how many")->capture_default_str();
+  city->add_option("--objects", arguments.city.objects, "how many")
+      ->check(CLI::Range(1, 10'000'000))
+      ->capture_default_str();
   random->add_option("--objects", arguments.random.objects, "about how many")
       ->capture_default_str();
   try {

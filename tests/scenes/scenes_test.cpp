@@ -254,7 +254,7 @@ TEST(GlbWriter, WritesNodesMaterialsAndTransformsByName) {
   EXPECT_EQ(document["nodes"][1]["scale"], nlohmann::json({2, 2, -2}));
   EXPECT_EQ(document["nodes"][1]["name"], "Würfel");
   EXPECT_EQ(document["nodes"][2]["matrix"][14], 7);
-  EXPECT_EQ(document["scenes"][0]["nodes"], nlohmann::json({0}));
+  EXPECT_EQ(document["scenes"][0]["nodes"], nlohmann::json::array({0}));
   EXPECT_EQ(document["materials"][0]["alphaMode"], "BLEND");
   EXPECT_EQ(document["materials"][0]["doubleSided"], true);
   EXPECT_EQ(document["accessors"][0]["max"], nlohmann::json({1, 1, 1}));
