@@ -117,7 +117,15 @@ Result<Camera> cameraFromMatrices(const glm::dmat4& view, const glm::dmat4& proj
   if (auto ok = checkImageAndMotion(image, motion); !ok) return std::move(ok).error();
   if (!finite(view)) return bad("view matrix is not finite");
   if (!finite(projection)) return bad("projection matrix is not finite");
+  // A scaled or projective view would make every w below wrong; a last 1 may carry rounding dust.
+  for (int column = 0; column < 4; ++column) {
+    const double wanted = column == 3 ? 1.0 : 0.0;
+    if (!(std::abs(view[column][3] - wanted) <= 1e-15)) {
+      return bad("last row of the view matrix is not 0 0 0 1");
+    }
+  }
   const glm::dmat4 rows = glm::transpose(projection * view);  // rows[i] is row i of clip-from-world
+  if (!finite(rows)) return bad("matrix product is not finite");
   Camera camera;
   camera.width_px = image.width_px;
   camera.height_px = image.height_px;

@@ -47,7 +47,7 @@ FrustumTest::FrustumTest(const Camera& camera, const WideBvh& bvh) : eye_(camera
   if (motion.angle_rad > 0.0) {
     turn_ = 2.0 * std::sin(std::min(motion.angle_rad, std::numbers::pi) / 2.0) * kUp;
   }
-  shift_ = motion.radius_m * (1.0 + turn_) * kUp;
+  shift_ = motion.radius_m * kUp;
   for (const glm::dvec4* row : {&camera.x_row, &camera.y_row, &camera.z_row}) {
     add(camera.w_row, *row, 1.0, reach);
     add(camera.w_row, *row, -1.0, reach);

@@ -32,7 +32,7 @@ struct LaneVerdicts {
 
 class FrustumTest {
  public:
-  /// For the nodes of `bvh`, which must outlive nothing: only its size is looked at.
+  /// For the nodes of `bvh`; looks only at the size of its root, and keeps no reference.
   FrustumTest(const Camera& camera, const WideBvh& bvh);
 
   /// Planes that can cull at all. An infinite far plane, for one, is left out.
@@ -57,9 +57,8 @@ class FrustumTest {
   std::array<Plane, kMaxPlanes> planes_;
   std::uint32_t count_ = 0;
   glm::dvec3 eye_;
-  double turn_ = 0.0;  ///< 2 sin(a / 2), rounded up
-  double shift_ =
-      0.0;  ///< planes move outwards by this: the motion bound's radius and its share of turn
+  double turn_ = 0.0;   ///< 2 sin(a / 2), rounded up
+  double shift_ = 0.0;  ///< planes move outwards by this: the motion bound's radius
 };
 
 }  // namespace culld
