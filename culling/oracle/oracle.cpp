@@ -188,12 +188,12 @@ void Look::aim() {
 
 OracleAnswer Look::answer() const {
   OracleAnswer answer;
-  answer.in_frustum = view_.objects().size();
   answer.rays = rays_;
   answer.last_round_found = last_found_;
   answer.last_round_tried = last_tried_;
   for (std::uint32_t i = 0; i < state_.size(); ++i) {
     const ObjectId object = view_.objects()[i].object;
+    answer.in_frustum.push_back(object);
     if (state_[i] == kTie) answer.ties.push_back(object);
     if (state_[i] != kSeen) continue;
     const std::uint32_t samples = samples_[i];

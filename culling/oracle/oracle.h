@@ -30,8 +30,8 @@ struct OracleAnswer {
   std::vector<std::uint8_t> subpixel;  ///< per visible object: 1 if only an aimed ray saw it
   /// Not visible for certain: met only behind a blocking surface by less than the tie tolerance.
   std::vector<ObjectId> ties;
-  std::size_t in_frustum = 0;  ///< objects whose box reaches into the frustum
-  std::uint64_t rays = 0;      ///< cast, aimed ones included
+  std::vector<ObjectId> in_frustum;  ///< ascending: objects whose box reaches into the frustum
+  std::uint64_t rays = 0;            ///< cast, aimed ones included
   /// How much may still be missing: objects that the last round of aimed rays found, and how many
   /// objects it tried with kAimedRaysPerRound rays each.
   std::size_t last_round_found = 0;

@@ -45,7 +45,7 @@ TEST(Oracle, SeesNothingInAnEmptyScene) {
   Scene scene;
   const OracleAnswer answer = look(scene.finish(), kCamera);
   EXPECT_TRUE(answer.visible.empty());
-  EXPECT_EQ(answer.in_frustum, 0U);
+  EXPECT_TRUE(answer.in_frustum.empty());
 }
 
 TEST(Oracle, DoesNotSeeWhatIsOutsideOfTheFrustum) {
