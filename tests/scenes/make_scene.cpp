@@ -1,4 +1,5 @@
-// make_scene: writes generated scenes to files, for the demo and for trying things by hand.
+// make_scene: writes generated scenes, and paths through given ones, to files: for the demo and for
+// trying things by hand.
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <fstream>
@@ -6,15 +7,20 @@
 #include <span>
 #include <string>
 
+#include "culling/scene/gltf_loader.h"
 #include "tests/scenes/city.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/tour.h"
 
 namespace {
 
 constexpr int kCannotWrite = 74;
 
+constexpr std::uint32_t kTourFrames = 24;
+
 struct Arguments {
   std::string glb, cameras;
+  std::uint32_t tour_frames = kTourFrames;
   culld::scenes::CityOptions city;
   culld::scenes::RandomSceneOptions random;
 };
@@ -49,6 +55,19 @@ int makeRandom(const Arguments& arguments) {
   return write(arguments, model, cameras);
 }
 
+int makeTour(const Arguments& arguments) {
+  const auto scene = culld::loadGltfFile(arguments.glb);
+  if (!scene) {
+    std::cerr << "make_scene: " << scene.error().message << '\n';
+    return 2;
+  }
+  const auto cameras = culld::scenes::tourCameras(*scene.value(), arguments.tour_frames);
+  const std::string list = culld::scenes::toJson(cameras);
+  if (!writeFile(arguments.cameras, list)) return kCannotWrite;
+  std::cout << arguments.cameras << ": " << cameras.size() << " cameras\n";
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -70,12 +89,19 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   random->add_option("--objects", arguments.random.objects, "about how many")
       ->capture_default_str();
+  CLI::App* tour = app.add_subcommand("cameras", "a path through a scene that exists");
+  tour->add_option("SCENE", arguments.glb, "the .glb or .gltf to read")->required();
+  tour->add_option("-o,--output", arguments.cameras, "the cameras file to write")->required();
+  tour->add_option("--frames", arguments.tour_frames, "cameras")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   if (random->parsed()) return makeRandom(arguments);
+  if (tour->parsed()) return makeTour(arguments);
   const culld::scenes::City made = culld::scenes::generateCity(arguments.city);
   return write(arguments, made.model, made.cameras);
 }
