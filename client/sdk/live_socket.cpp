@@ -68,6 +68,7 @@ struct LiveSocket::Impl {
     handlers.closed({ErrorCode::kUnavailable, "connection lost: " + ec.message()});
     error_code ignored;
     beast::get_lowest_layer(ws).socket().close(ignored);
+    io->stop();  // Beast's idle timer would keep the thread until it fires
   }
 
   void close() {

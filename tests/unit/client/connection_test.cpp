@@ -358,6 +358,21 @@ TEST(Connection, EndsEveryWaitWhenItIsLost) {
   EXPECT_EQ(client.connection->ping().error().message, frame.error().message);
 }
 
+TEST(Connection, ClosesAtOnceAfterItWasLost) {
+  Script server([](Peer& peer) {
+    peer.greet();
+    peer.openView();
+    peer.nextCamera();
+  });
+  const auto start = std::chrono::steady_clock::now();
+  {
+    const Client client(server.address());
+    ASSERT_NE(client.view, nullptr);
+    EXPECT_FALSE(client.view->cull({}).ok());
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);  // the idle timer runs for 10 s
+}
+
 TEST(Connection, EndsOnGarbage) {
   Script server([](Peer& peer) {
     peer.greet();
