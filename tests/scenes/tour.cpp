@@ -4,21 +4,20 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <utility>
 
 namespace culld::scenes {
 namespace {
 
-/// [5 %, 95 %] of the middles along one axis, as {low, high}.
+/// [5 %, 95 %] of the middles along one axis, as {low, high}. REQUIRES: there are some.
 std::pair<double, double> middleRange(std::vector<double> middles) {
-  if (middles.empty()) return {0.0, 0.0};
   std::sort(middles.begin(), middles.end());
   const std::size_t last = middles.size() - 1;
   return {middles[last / 20], middles[last - last / 20]};
 }
 
 Box crowdedPart(const SceneSnapshot& scene) {
-  std::vector<double> x, y, z;
-  Box largest;
+  std::vector<double> x, y, z, reach;
   for (ObjectId id = 0; id < scene.objectCount(); ++id) {
     const Box& box = scene.instance(id).bounds_world;
     if (box.empty() || !box.finite()) continue;
@@ -26,17 +25,15 @@ Box crowdedPart(const SceneSnapshot& scene) {
     x.push_back(middle.x);
     y.push_back(middle.y);
     z.push_back(middle.z);
-    largest.grow(box);
+    reach.push_back(glm::length(0.5 * box.max - 0.5 * box.min));
   }
+  if (reach.empty()) return {glm::dvec3(-1.0), glm::dvec3(1.0)};
+  std::sort(reach.begin(), reach.end());
+  const double typical = reach[reach.size() / 2];  // one object alone has an extent too
   const auto [x_low, x_high] = middleRange(std::move(x));
   const auto [y_low, y_high] = middleRange(std::move(y));
   const auto [z_low, z_high] = middleRange(std::move(z));
-  Box part{{x_low, y_low, z_low}, {x_high, y_high, z_high}};
-  // Few objects, or all in one place: then their extent counts and not their middles.
-  if (glm::length(part.max - part.min) < 1e-3 * glm::length(largest.max - largest.min)) {
-    part = largest;
-  }
-  return part;
+  return {glm::dvec3(x_low, y_low, z_low) - typical, glm::dvec3(x_high, y_high, z_high) + typical};
 }
 
 }  // namespace
