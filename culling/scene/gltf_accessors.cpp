@@ -79,6 +79,7 @@ ElementReader::ElementReader(const DataSource& data, std::uint32_t index, Budget
   component_ = accessor.component;
   width_ = accessor.width;
   normalized_ = accessor.normalized;
+  if (width_ == 0) fail(place, "unknown type");
   const std::size_t element = bytesOf(component_) * width_;
   stride_ = element;
   if (accessor.view == kNone) {

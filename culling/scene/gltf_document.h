@@ -62,7 +62,7 @@ struct Accessor {
   std::uint64_t offset = 0;
   std::uint64_t count = 0;
   Component component = Component::kFloat;
-  std::uint8_t width = 1;  ///< numbers per element
+  std::uint8_t width = 1;  ///< numbers per element; 0: of an unknown type
   bool normalized = false;
   std::optional<SparsePart> sparse;
 };
