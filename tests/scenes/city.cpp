@@ -145,8 +145,8 @@ class CityMaker {
   }
 
   void putLoose(std::uint32_t block, std::uint32_t mesh, double half) {
-    const glm::dvec3 at(centimetres(random_.uniform(-half, half)), kPavementTop + 0.05,
-                        centimetres(random_.uniform(-half, half)));
+    const glm::dvec3 at{centimetres(random_.uniform(-half, half)), kPavementTop + 0.05,
+                        centimetres(random_.uniform(-half, half))};
     put(block, mesh, quarters(random_.below(4), at));
   }
 
@@ -160,15 +160,20 @@ class CityMaker {
         put(block, mesh, there);
       };
       for (const double t : {-18.0, 0.0, 18.0}) along(meshes_.lamp, t, 25.4, 3);
-      for (const double t : {-12.0, 10.0}) along(any(meshes_.trees), t, 24.6, random_.below(4));
+      for (const double t : {-12.0, 10.0}) {
+        const std::uint32_t turn = random_.below(4);
+        along(any(meshes_.trees), t, 24.6, turn);
+      }
       along(meshes_.bench, random_.uniform(-9, 6), 24.0, 0);
       along(meshes_.bin, random_.uniform(-20, 20), 25.2, 0);
       along(meshes_.sign, 22.5, 25.5, random_.below(4));
       if (random_.chance(0.4)) along(meshes_.hydrant, random_.uniform(-16, 16), 25.6, 0);
       for (const double t : {-16.0, -9.0, -2.0, 5.0, 12.0}) {
-        if (random_.chance(0.55)) along(any(meshes_.cars), t + random_.uniform(-0.8, 0.8), 27.3, 0);
+        const double parked = t + random_.uniform(-0.8, 0.8);
+        if (random_.chance(0.55)) along(any(meshes_.cars), parked, 27.3, 0);
       }
-      if (random_.chance(0.3)) along(any(meshes_.cars), random_.uniform(-18, 18), 29.7, 2);
+      const double driving = random_.uniform(-18, 18);
+      if (random_.chance(0.3)) along(any(meshes_.cars), driving, 29.7, 2);
     }
   }
 
@@ -227,7 +232,8 @@ class CityMaker {
             composed(quarters(random_.below(2), {at.x, 2.7, at.z}),
                      scaledAndMoved({1.8, 2.7, 0.12}, glm::dvec3(0.0))));
       } else {
-        put(floor.node, any(meshes_.furniture), quarters(random_.below(4), at));
+        const std::uint32_t turn = random_.below(4);
+        put(floor.node, any(meshes_.furniture), quarters(turn, at));
       }
     }
   }

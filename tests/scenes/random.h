@@ -1,4 +1,5 @@
-// The same random numbers on every standard library, so that a seed names a scene.
+// The same random numbers on every standard library, so that a seed names a scene. Arguments of a
+// call are evaluated in any order: two draws go into braces or into statements of their own.
 #pragma once
 #include <cstdint>
 #include <random>

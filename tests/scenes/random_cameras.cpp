@@ -45,7 +45,7 @@ class CameraMaker {
  private:
   glm::dvec3 direction() {
     for (;;) {
-      const glm::dvec3 d(random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-1, 1));
+      const glm::dvec3 d{random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-1, 1)};
       const double length = glm::length(d);
       if (length > 0.1 && length <= 1.0) return d / length;
     }
@@ -77,8 +77,8 @@ class CameraMaker {
 
   glm::dvec3 eye() {
     const Instance* instance = anyInstance();
-    if (instance == nullptr) return direction() * random_.uniform(0, 10);
     const double kind = random_.unit();
+    if (instance == nullptr) return direction() * (10 * kind);
     if (kind < 0.15) return inBounds(*instance);
     if (kind < 0.25) {
       if (const auto point = onSurface(*instance)) return *point;
@@ -168,7 +168,7 @@ class CameraMaker {
 
   /// Lengyel's oblique near plane, a modest tilt of the usual one.
   void makeOblique(glm::dmat4& p, double n) {
-    const glm::dvec4 plane(random_.uniform(-0.3, 0.3), random_.uniform(-0.3, 0.3), -1.0, -n);
+    const glm::dvec4 plane{random_.uniform(-0.3, 0.3), random_.uniform(-0.3, 0.3), -1.0, -n};
     const glm::dvec4 corner((std::copysign(1.0, plane.x) + p[2][0]) / p[0][0],
                             (std::copysign(1.0, plane.y) + p[2][1]) / p[1][1], -1.0,
                             (1.0 + p[2][2]) / p[3][2]);
@@ -183,7 +183,8 @@ class CameraMaker {
     const glm::dmat4 view = viewMatrix(mirrored);
     const std::uint32_t kind = random_.below(4);
     if (kind == 0) return {ViewProjection{view, orthographic()}, {}, "orthographic"};
-    glm::dmat4 projection = perspective(random_.chance(0.4), random_.chance(0.3));
+    const bool infinite = random_.chance(0.4), reversed = random_.chance(0.3);
+    glm::dmat4 projection = perspective(infinite, reversed);
     if (kind == 1) {
       projection[2][0] = random_.uniform(-1.5, 1.5);
       projection[2][1] = random_.uniform(-1.5, 1.5);

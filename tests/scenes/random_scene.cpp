@@ -47,7 +47,7 @@ class SceneMaker {
       case 4:
         return addAnywhere(concaveBody());
       case 5:
-        return addAnywhere(bumpySheet(1 + random_.below(6), random_.unit(), random_));
+        return addSheet();
       case 6:
         return addTJunction();
       case 7:
@@ -61,6 +61,12 @@ class SceneMaker {
       default:
         return addNeedleWall();
     }
+  }
+
+  void addSheet() {
+    const std::uint32_t side = 1 + random_.below(6);
+    const double roughness = random_.unit();
+    addAnywhere(bumpySheet(side, roughness, random_));
   }
 
   double size() { return std::pow(10.0, random_.uniform(-1.5, 0.7)); }
@@ -88,9 +94,19 @@ class SceneMaker {
     model_.addNode({kNone, mesh, world, ""});
   }
 
-  Rows anyTransform() {
+  Rows turnedSomewhere() {
     const glm::dvec3 at = place();
-    Rows rows = turnedAndMoved(random_.uniform(0, 2 * std::numbers::pi), at);
+    return turnedAndMoved(random_.uniform(0, 2 * std::numbers::pi), at);
+  }
+
+  /// Upright, with the given half sides at most.
+  Rows standing(double half_x, double half_y, double half_z) {
+    const glm::dvec3 halves{random_.uniform(1, half_x), random_.uniform(1, half_y), half_z};
+    return composed(turnedSomewhere(), scaledAndMoved(halves, glm::dvec3(0.0)));
+  }
+
+  Rows anyTransform() {
+    Rows rows = turnedSomewhere();
     glm::dvec3 stretch(size());
     if (random_.chance(0.5)) stretch = {size(), size(), size()};
     rows = composed(rows, scaledAndMoved(stretch, glm::dvec3(0.0)));
@@ -129,12 +145,17 @@ class SceneMaker {
     return prism(regularFootprint(3 + random_.below(9), 1.0F), -1.0F, 1.0F);
   }
 
+  Triangles anyTorus() {
+    const std::uint32_t around = 5 + random_.below(8), across = 3 + random_.below(5);
+    return torus(around, across, 0.8F, 0.25F);
+  }
+
   Triangles concaveBody() {
     switch (random_.below(3)) {
       case 0:
         return ball(4 + random_.below(6), 0.4, random_);
       case 1:
-        return torus(5 + random_.below(8), 3 + random_.below(5), 0.8F, 0.25F);
+        return anyTorus();
       default: {
         const std::vector<glm::vec2> corner{{-1, -1}, {-1, 1}, {0, 1}, {0, 0}, {1, 0}, {1, -1}};
         return prism(corner, -1.0F, 1.0F, 3);
@@ -151,9 +172,7 @@ class SceneMaker {
   /// Large, thin or without any thickness: what mostly hides things.
   void addWall() {
     const bool thick = random_.chance(0.5);
-    const Rows rows = composed(
-        turnedAndMoved(random_.uniform(0, 2 * std::numbers::pi), place()),
-        scaledAndMoved({random_.uniform(2, 8), random_.uniform(2, 6), 0.1}, glm::dvec3(0.0)));
+    const Rows rows = standing(8, 6, 0.1);
     add(thick ? box(glm::vec3(-1), glm::vec3(1)) : quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), rows);
   }
 
@@ -168,8 +187,7 @@ class SceneMaker {
 
   /// Several objects edge to edge, some with a tiny gap or overlap.
   void addAbuttingWalls() {
-    const Rows rows = composed(turnedAndMoved(random_.uniform(0, 6), place()),
-                               scaledAndMoved({random_.uniform(1, 3), 4, 1}, glm::dvec3(0.0)));
+    const Rows rows = standing(3, 5, 1);
     const std::uint32_t m = material();
     const std::uint32_t count = 2 + random_.below(4);
     const double slack = random_.chance(0.5) ? 0.0 : random_.uniform(-1e-6, 1e-6);
@@ -219,11 +237,9 @@ class SceneMaker {
 
   /// A wall with a hole too small for any pixel, something behind it; sometimes glazed.
   void addNeedleWall() {
-    const Rows rows =
-        composed(turnedAndMoved(random_.uniform(0, 2 * std::numbers::pi), place()),
-                 scaledAndMoved({random_.uniform(1, 5), random_.uniform(1, 5), 1}, {0, 0, 0}));
+    const Rows rows = standing(5, 5, 1);
     const auto hole = static_cast<float>(std::pow(10.0, random_.uniform(-6, -0.5)));
-    const glm::vec2 centre(glm::dvec2(random_.uniform(-0.5, 0.5), random_.uniform(-0.5, 0.5)));
+    const glm::vec2 centre(glm::dvec2{random_.uniform(-0.5, 0.5), random_.uniform(-0.5, 0.5)});
     std::vector<Part> parts{{wallWithHole(centre, {hole, hole}), random_.chance(0.5) ? 1U : 0U}};
     if (options_.see_through && random_.chance(0.3)) {
       parts.push_back(
