@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "culling/raster/triangle_blocks.h"
-
 namespace culld {
 namespace {
 
@@ -42,12 +40,6 @@ ObjectRow objectRow(const glm::dvec4& row, const std::array<double, 12>& m,
 
 double at(const ObjectRow& row, const glm::dvec3& p) {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.constant;
-}
-
-/// Greatest depth that the masks will write for this part.
-float nearestOf(const BlockTriangle& t) {
-  const float plane = t.depth_c + 7.0F * (std::max(t.depth_a, 0.0F) + std::max(t.depth_b, 0.0F));
-  return std::max(plane, t.depth_floor);
 }
 
 }  // namespace
@@ -109,19 +101,16 @@ void SheetRasterizer::fillBlock(std::uint32_t block, float farthest, DepthCells&
   giveUp(block);
 }
 
-void SheetRasterizer::drawBlock(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                                std::uint32_t block_y, std::uint32_t net_edges, float nearest,
-                                DepthCells& cells) {
+void SheetRasterizer::drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x,
+                                std::uint32_t block_y, float nearest, DepthCells& cells) {
   const std::uint32_t block = block_y * cells.grid().blocks_x + block_x;
   const float least = cells.leastNearness(block);
   // Nothing of this object can raise the block: leave it out for all its triangles.
   if (least >= nearest) return;
-  const std::optional<BlockTriangle> part = blockTriangle(triangle, block_x, block_y, net_edges);
-  if (!part) return;
-  if (nearestOf(*part) <= least) {
+  if (blocks.nearest(block_x, block_y) <= least) {
     giveUp(block);
-  } else {
-    addTriangle(*part, sheetBlock(block), cells.cells(block));
+  } else if (blocks.part(block_x, block_y, part_)) {
+    addTriangle(part_, sheetBlock(block), cells.cells(block));
   }
 }
 
@@ -138,16 +127,17 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
     const bool inner = partner != kNoPartner && orientation_[partner / 3] == sign;
     if (!inner) net_edges |= 1U << e;
   }
+  const TriangleBlocks blocks(projected, net_edges);
   for (std::uint32_t y = projected.cell_y0 / kBlockSide; y <= projected.cell_y1 / kBlockSide; ++y) {
-    const BlockSpan span = blockSpan(projected, y);
+    const BlockSpan span = blocks.span(y);
     for (std::uint32_t x = span.first_touched; x < span.first_filled; ++x) {
-      drawBlock(projected, x, y, net_edges, object.nearest, cells);
+      drawBlock(blocks, x, y, object.nearest, cells);
     }
     for (std::uint32_t x = span.first_filled; x < span.end_filled; ++x) {
-      fillBlock(y * cells.grid().blocks_x + x, blockFarthest(projected, x, y), cells);
+      fillBlock(y * cells.grid().blocks_x + x, blocks.farthest(x, y), cells);
     }
     for (std::uint32_t x = span.end_filled; x < span.end_touched; ++x) {
-      drawBlock(projected, x, y, net_edges, object.nearest, cells);
+      drawBlock(blocks, x, y, object.nearest, cells);
     }
   }
 }

@@ -11,7 +11,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/coverage_kernels.h"
 #include "culling/raster/depth_cells.h"
-#include "culling/raster/triangle_setup.h"
+#include "culling/raster/triangle_blocks.h"
 
 namespace culld {
 
@@ -45,8 +45,8 @@ class SheetRasterizer {
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
   void orient(const SheetObject& object, const CellView& view);
   void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
-  void drawBlock(const ProjectedTriangle& triangle, std::uint32_t block_x, std::uint32_t block_y,
-                 std::uint32_t net_edges, float nearest, DepthCells& cells);
+  void drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x, std::uint32_t block_y,
+                 float nearest, DepthCells& cells);
   void fillBlock(std::uint32_t block, float farthest, DepthCells& cells);
   void giveUp(std::uint32_t block);
   SheetBlock& sheetBlock(std::uint32_t block);
@@ -59,7 +59,8 @@ class SheetRasterizer {
   std::vector<std::uint32_t> touched_;    ///< blocks of this object, in the order of their slots
   std::vector<std::uint32_t> slot_of_block_;
   std::vector<SheetBlock> blocks_;  ///< by slot
-  SheetBlock scrap_;                ///< takes what goes to blocks that were given up
+  BlockTriangle part_;
+  SheetBlock scrap_;  ///< takes what goes to blocks that were given up
 };
 
 }  // namespace culld

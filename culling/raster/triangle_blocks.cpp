@@ -74,7 +74,29 @@ void narrowFilled(const SideLine& s, std::uint32_t block_y, std::uint32_t& first
 
 }  // namespace
 
-BlockSpan blockSpan(const ProjectedTriangle& t, std::uint32_t block_y) noexcept {
+TriangleBlocks::TriangleBlocks(const ProjectedTriangle& triangle, std::uint32_t net_edges) noexcept
+    : triangle_(triangle), depth_floor_(floatDown(triangle.depth_floor)) {
+  for (std::uint32_t s = 0; s < triangle.side_count; ++s) {
+    const SideLine& side = triangle.sides[s];
+    Masks& m = masks_[s];
+    m.net = s >= 3 || (net_edges >> s & 1U) != 0;
+    if (side.usable()) {
+      const double margin = side.error + kMaskMargin;
+      m.a = static_cast<float>(side.a);
+      m.b = static_cast<float>(side.b);
+      m.inside = floatUp(margin - lowest(side, 1.0));
+      m.touch = floatDown(-margin - highest(side, 1.0));
+      m.sample = floatUp(margin - side.a * kSampleX - side.b * kSampleY);
+    } else {  // decides nothing: no cell inside, every cell touched
+      m.a = m.b = 0.0F;
+      m.inside = m.sample = 1.0F;
+      m.touch = -1.0F;
+    }
+  }
+}
+
+BlockSpan TriangleBlocks::span(std::uint32_t block_y) const noexcept {
+  const ProjectedTriangle& t = triangle_;
   BlockSpan span;
   span.first_touched = t.cell_x0 / kBlockSide;
   span.end_touched = t.cell_x1 / kBlockSide + 1;
@@ -82,7 +104,7 @@ BlockSpan blockSpan(const ProjectedTriangle& t, std::uint32_t block_y) noexcept 
     narrowTouched(t.sides[s], block_y, span.first_touched, span.end_touched);
   }
   std::uint32_t first = span.first_touched, end = span.end_touched;
-  for (std::uint32_t s = 0; s < t.side_count; ++s) {
+  for (std::uint32_t s = 0; s < t.side_count && first < end; ++s) {
     if (!t.sides[s].usable()) end = first;
     narrowFilled(t.sides[s], block_y, first, end);
   }
@@ -94,55 +116,53 @@ BlockSpan blockSpan(const ProjectedTriangle& t, std::uint32_t block_y) noexcept 
   return span;
 }
 
-float blockFarthest(const ProjectedTriangle& t, std::uint32_t block_x,
-                    std::uint32_t block_y) noexcept {
-  const double a = t.depth_a, b = t.depth_b;
+float TriangleBlocks::farthest(std::uint32_t block_x, std::uint32_t block_y) const noexcept {
+  const double a = triangle_.depth_a, b = triangle_.depth_b;
   const double u0 = kBlockCells * block_x, v0 = kBlockCells * block_y;
-  const double corner = t.depth_c + a * u0 + b * v0;
+  const double corner = triangle_.depth_c + a * u0 + b * v0;
   const double far = corner + kBlockCells * (std::min(a, 0.0) + std::min(b, 0.0));
-  const double terms =
-      std::abs(t.depth_c) + std::abs(a) * (u0 + kBlockCells) + std::abs(b) * (v0 + kBlockCells);
-  return floatDown(std::max(far - 0x1p-48 * terms, t.depth_floor));
+  const double terms = std::abs(triangle_.depth_c) + std::abs(a) * (u0 + kBlockCells) +
+                       std::abs(b) * (v0 + kBlockCells);
+  return std::max(floatDown(far - 0x1p-48 * terms), depth_floor_);
 }
 
-std::optional<BlockTriangle> blockTriangle(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                                           std::uint32_t block_y,
-                                           std::uint32_t net_edges) noexcept {
-  BlockTriangle block;
-  block.sides = 0;
-  for (std::uint32_t s = 0; s < triangle.side_count; ++s) {
-    const SideLine& side = triangle.sides[s];
-    if (blockBeside(side, block_x, block_y)) return std::nullopt;
+float TriangleBlocks::nearest(std::uint32_t block_x, std::uint32_t block_y) const noexcept {
+  const double a = triangle_.depth_a, b = triangle_.depth_b;
+  const double corner =
+      triangle_.depth_c + a * (kBlockCells * block_x) + b * (kBlockCells * block_y);
+  const double near = corner + kBlockCells * (std::max(a, 0.0) + std::max(b, 0.0));
+  return std::max(static_cast<float>(std::clamp(near, -1e37, 1e37)), depth_floor_);
+}
+
+bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
+                          BlockTriangle& out) const noexcept {
+  out.sides = 0;
+  out.net_sides = 0;
+  for (std::uint32_t s = 0; s < triangle_.side_count; ++s) {
+    const SideLine& side = triangle_.sides[s];
+    if (blockBeside(side, block_x, block_y)) return false;
     if (blockInside(side, block_x, block_y)) continue;
-    const std::uint32_t k = block.sides++;
-    if (s >= 3 || (net_edges >> s & 1U) != 0) block.net_sides |= 1U << k;
-    if (!side.usable()) {  // decides nothing: no cell inside, every cell touched
-      block.a[k] = block.b[k] = block.c[k] = 0.0F;
-      block.inside[k] = block.sample[k] = 1.0F;
-      block.touch[k] = -1.0F;
-      continue;
-    }
-    const double m = side.error + kMaskMargin;
-    block.a[k] = static_cast<float>(side.a);
-    block.b[k] = static_cast<float>(side.b);
-    block.c[k] = static_cast<float>(atBlock(side, block_x, block_y));
-    block.inside[k] = floatUp(m - lowest(side, 1.0));
-    block.touch[k] = floatDown(-m - highest(side, 1.0));
-    block.sample[k] = floatUp(m - side.a * kSampleX - side.b * kSampleY);
+    const std::uint32_t k = out.sides++;
+    const Masks& m = masks_[s];
+    out.a[k] = m.a;
+    out.b[k] = m.b;
+    out.c[k] = side.usable() ? static_cast<float>(atBlock(side, block_x, block_y)) : 0.0F;
+    out.inside[k] = m.inside;
+    out.touch[k] = m.touch;
+    out.sample[k] = m.sample;
+    if (m.net) out.net_sides |= 1U << k;
   }
-  const double a = triangle.depth_a, b = triangle.depth_b;
-  const double c = triangle.depth_c + a * (kBlockCells * block_x) + b * (kBlockCells * block_y) +
+  const double a = triangle_.depth_a, b = triangle_.depth_b;
+  const double c = triangle_.depth_c + a * (kBlockCells * block_x) + b * (kBlockCells * block_y) +
                    std::min(a, 0.0) + std::min(b, 0.0);
-  const double slack = 0x1p-20 * (std::abs(c) + 8.0 * (std::abs(a) + std::abs(b))) + 1e-37;
-  block.depth_floor = floatDown(triangle.depth_floor);
-  if (std::abs(c) + 8.0 * (std::abs(a) + std::abs(b)) + slack < 1e37) {
-    block.depth_a = static_cast<float>(a);
-    block.depth_b = static_cast<float>(b);
-    block.depth_c = floatDown(c - slack);
-  } else {
-    block.depth_c = block.depth_floor;
-  }
-  return block;
+  const double terms = std::abs(c) + 8.0 * (std::abs(a) + std::abs(b));
+  const double slack = 0x1p-20 * terms + 1e-37;  // 16 float roundings; the kernel needs 9
+  out.depth_floor = depth_floor_;
+  const bool in_range = terms < 1e37;
+  out.depth_a = in_range ? static_cast<float>(a) : 0.0F;
+  out.depth_b = in_range ? static_cast<float>(b) : 0.0F;
+  out.depth_c = in_range ? static_cast<float>(c - slack) : depth_floor_;
+  return true;
 }
 
 }  // namespace culld

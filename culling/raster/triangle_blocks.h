@@ -1,8 +1,8 @@
 // A projected triangle as the blocks of 8 x 8 cells see it: which blocks of a row it may touch,
 // which it fills, and the masks' input for those on its rim. docs/error-model.md §4.3.
 #pragma once
+#include <array>
 #include <cstdint>
-#include <optional>
 
 #include "culling/raster/coverage_kernels.h"
 #include "culling/raster/triangle_setup.h"
@@ -15,17 +15,34 @@ struct BlockSpan {
   std::uint32_t first_filled = 0, end_filled = 0;
 };
 
-/// REQUIRES: triangle.on_grid and block_y within its cells. GUARANTEES: blocks outside `touched`
-/// are surely not touched, blocks inside `filled` surely lie in the triangle.
-BlockSpan blockSpan(const ProjectedTriangle& triangle, std::uint32_t block_y) noexcept;
+class TriangleBlocks {
+ public:
+  /// `triangle` must outlive this. `net_edges`: bit e set if edge e is a net edge of its sheet;
+  /// clip cuts always are.
+  TriangleBlocks(const ProjectedTriangle& triangle, std::uint32_t net_edges) noexcept;
 
-/// Nearness of a farthest point of the triangle over the block, rounded farther.
-float blockFarthest(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                    std::uint32_t block_y) noexcept;
+  /// REQUIRES: block_y within the triangle's cells. GUARANTEES: blocks outside `touched` are surely
+  /// not touched, blocks inside `filled` surely lie in the triangle.
+  BlockSpan span(std::uint32_t block_y) const noexcept;
 
-/// The triangle as block (block_x, block_y) sees it. `net_edges`: bit e set if edge e is a net edge
-/// of its sheet; clip cuts always are. nullopt: it surely touches no cell of the block.
-std::optional<BlockTriangle> blockTriangle(const ProjectedTriangle& triangle, std::uint32_t block_x,
-                                           std::uint32_t block_y, std::uint32_t net_edges) noexcept;
+  /// Nearness of the triangle's farthest point over the block, rounded farther.
+  float farthest(std::uint32_t block_x, std::uint32_t block_y) const noexcept;
+  /// What masks of this block will write is at most this near.
+  float nearest(std::uint32_t block_x, std::uint32_t block_y) const noexcept;
+
+  /// The triangle within one block. False: it surely touches no cell of the block.
+  bool part(std::uint32_t block_x, std::uint32_t block_y, BlockTriangle& out) const noexcept;
+
+ private:
+  /// A side's line and thresholds in float, the same for all blocks.
+  struct Masks {
+    float a, b, inside, touch, sample;
+    bool net;
+  };
+
+  const ProjectedTriangle& triangle_;
+  std::array<Masks, kMaxSides> masks_;
+  float depth_floor_;
+};
 
 }  // namespace culld

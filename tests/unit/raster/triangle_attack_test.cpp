@@ -144,16 +144,18 @@ struct Drawn {
 std::map<std::uint32_t, Drawn> drawBlocks(const ProjectedTriangle& t, std::uint32_t net_edges) {
   std::map<std::uint32_t, Drawn> blocks;
   if (!t.on_grid) return blocks;
+  const TriangleBlocks triangle_blocks(t, net_edges);
+  BlockTriangle part;
   for (std::uint32_t y = t.cell_y0 / 8; y <= t.cell_y1 / 8; ++y) {
-    const BlockSpan span = blockSpan(t, y);
+    const BlockSpan span = triangle_blocks.span(y);
     for (std::uint32_t x = span.first_touched; x < span.end_touched; ++x) {
       Drawn drawn;
       drawn.sheet.clear();
       if (x >= span.first_filled && x < span.end_filled) {
         drawn.filled = drawn.sheet.sampled = ~std::uint64_t{0};
-        drawn.sheet.farthest.fill(blockFarthest(t, x, y));
-      } else if (const auto part = blockTriangle(t, x, y, net_edges)) {
-        drawn.filled = addTriangle(*part, drawn.sheet, drawn.nearness.data());
+        drawn.sheet.farthest.fill(triangle_blocks.farthest(x, y));
+      } else if (triangle_blocks.part(x, y, part)) {
+        drawn.filled = addTriangle(part, drawn.sheet, drawn.nearness.data());
       } else {
         continue;
       }
