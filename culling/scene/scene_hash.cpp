@@ -63,7 +63,7 @@ std::uint64_t hashInstances(std::span<const Instance> instances) {
     addFlags(out, {instance.removed});
     if (instance.removed) continue;
     addFlags(out, {instance.hidden});
-    for (const double m : instance.world_from_mesh) out.add(m);
+    for (const double m : instance.world_from_mesh) out.add(m + 0.0);  // -0 is 0
     out.add(instance.mesh);
     out.add(instance.node);
     out.add(instance.instance_number);

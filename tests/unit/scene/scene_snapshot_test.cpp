@@ -121,6 +121,7 @@ TEST(SceneSnapshot, EqualScenesHaveEqualHashesAndDifferentOnesNot) {
   EXPECT_NE(hash(1, 2, 3, true), hash(1, 2.5, 3, true));
   EXPECT_NE(hash(1, 2, 3, true), hash(1, 2, 4, true));
   EXPECT_NE(hash(1, 2, 3, true), hash(1, 2, 3, false));
+  EXPECT_EQ(hash(1, 0.0, 3, true), hash(1, -0.0, 3, true)) << "minus zero is no other place";
 }
 
 TEST(SceneSnapshot, TheBuilderIsEmptyAfterwardsAndKeepsWarnings) {
