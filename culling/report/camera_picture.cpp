@@ -13,11 +13,13 @@ namespace culld::report {
 namespace {
 
 constexpr std::uint32_t kOversampling = 2;
+// Seen objects vary from their verdict's colour towards this one, so that neighbours differ.
+constexpr Color kSeenToo{0.170, 0.560, 0.680};
 // More boxes than this become specks: outlines would be a scribble.
 constexpr std::size_t kMaxLeftOutBoxes = 250;
 constexpr std::size_t kMaxKeptBoxes = 4000;
 
-double varied(ObjectId object) {  // 0 to 1, so that neighbours can be told apart
+double varied(ObjectId object) {  // 0 to 1
   return static_cast<double>((object * 2654435761U) >> 20U) / 4095.0;
 }
 
@@ -68,10 +70,12 @@ class Painter {
     if (pixel.object == kNoObject) return sky(row);
     // A pixel's centre may show what the oracle's samples beside it did not: that is seen, too.
     const Verdict verdict = frame_.verdicts[pixel.object];
-    const Color base = colorOf(verdict == Verdict::kMissed ? verdict : Verdict::kSeen);
+    const Color base = verdict == Verdict::kMissed
+                           ? colorOf(verdict)
+                           : mixed(colorOf(Verdict::kSeen), kSeenToo, 0.8 * varied(pixel.object));
     const glm::vec3 light(0.37F, 0.82F, 0.44F);
     const double lit = 0.5 + 0.5 * static_cast<double>(glm::dot(pixel.normal_world, light));
-    const double strength = (0.30 + 0.62 * lit) * (0.80 + 0.28 * varied(pixel.object));
+    const double strength = (0.30 + 0.62 * lit) * (0.85 + 0.20 * varied(pixel.object ^ 0x5555U));
     const Color surface = mixed(kNight, base, std::min(1.0, strength));
     const double haze = pixel.distance_m / (pixel.distance_m + 2.5 * haze_distance_m_);
     return mixed(surface, mixed(kDusk, kQuiet, 0.25), 0.75 * haze);
@@ -106,7 +110,7 @@ class BoxPen {
     if (!box.finite() || !(middle.w > 0.0)) return;
     canvas_.color(color);
     const glm::dvec2 place = image(middle);
-    cairo_arc(canvas_.pen(), place.x, place.y, 1.3 * width_ / 1280.0, 0, 6.3);
+    cairo_arc(canvas_.pen(), place.x, place.y, std::max(1.0, 1.3 * width_ / 1280.0), 0, 6.3);
     cairo_fill(canvas_.pen());
   }
 
@@ -145,16 +149,17 @@ void drawHidden(const Canvas& canvas, const FrameToDraw& frame, double height) {
     return static_cast<std::size_t>(std::count(frame.verdicts.begin(), frame.verdicts.end(), v));
   };
   const std::size_t left_out = count(Verdict::kLeftOut), kept = count(Verdict::kKept);
-  const double crowd = std::clamp(3000.0 / static_cast<double>(left_out + 1), 0.35, 1.0);
+  const double crowd = std::clamp(3000.0 / static_cast<double>(left_out + 1), 0.5, 1.0);
   const BoxPen pen(canvas, frame, canvas.width(), height);
   const auto each = [&](Verdict verdict, const auto& draw) {
     for (ObjectId id = 0; id < frame.verdicts.size(); ++id) {
       if (frame.verdicts[id] == verdict) draw(id);
     }
   };
-  cairo_set_line_width(canvas.pen(), canvas.width() / 1280.0);
+  const double line = std::max(1.0, canvas.width() / 1280.0);
+  cairo_set_line_width(canvas.pen(), line);
   each(Verdict::kLeftOut, [&](ObjectId id) {
-    const Color color = mixed(colorOf(Verdict::kLeftOut), kPaper, 0.15);
+    const Color color = mixed(colorOf(Verdict::kLeftOut), kPaper, 0.35);
     pen.speck(id, color.faded(crowd));
     if (left_out <= kMaxLeftOutBoxes) pen.outline(id, color.faded(0.45));
   });
@@ -162,7 +167,7 @@ void drawHidden(const Canvas& canvas, const FrameToDraw& frame, double height) {
     kept <= kMaxKeptBoxes ? pen.outline(id, colorOf(Verdict::kKept).faded(0.75))
                           : pen.speck(id, colorOf(Verdict::kKept).faded(0.8));
   });
-  cairo_set_line_width(canvas.pen(), 3.0 * canvas.width() / 1280.0);
+  cairo_set_line_width(canvas.pen(), 3.0 * line);
   each(Verdict::kMissed, [&](ObjectId id) { pen.outline(id, colorOf(Verdict::kMissed)); });
 }
 

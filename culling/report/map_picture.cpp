@@ -16,6 +16,10 @@ namespace {
 
 constexpr double kHeightOfWidth = 0.72;
 constexpr std::uint32_t kRaysAcross = 960;
+// Of the least side of a footprint: lower objects are ground, and are only tinted.
+constexpr double kFlat = 0.08;
+// Of the page: the larger an object beyond that (skies, hills), the fainter it is.
+constexpr double kLarge = 0.004;
 constexpr Color kGlow{1.0, 0.93, 0.66};
 
 using Point = glm::dvec2;
@@ -69,7 +73,7 @@ class Map {
     }
     const Point size = glm::max(high - low, Point(1e-3));
     middle_ = 0.5 * (low + high);
-    scale_ = 0.90 * std::min(page_.x / size.x, page_.y / size.y);
+    scale_ = 0.86 * std::min(page_.x / size.x, page_.y / size.y);
   }
 
   Point page_, eye_{0.0}, up_{0.0, -1.0}, middle_{0.0};
@@ -103,7 +107,7 @@ void tracePolygon(const Canvas& canvas, std::span<const Point> corners) {
   cairo_close_path(canvas.pen());
 }
 
-void drawFrustum(const Canvas& canvas, const FrameToDraw& frame, const Map& map) {
+void drawFrustum(const Canvas& canvas, const FrameToDraw& frame, const Map& map, bool filled) {
   const oracle::ViewRays rays(frame.camera);
   const double far_m = 2.0 * (map.page().x + map.page().y) / map.pixelsPerMetre();
   std::vector<Point> corners;
@@ -119,16 +123,20 @@ void drawFrustum(const Canvas& canvas, const FrameToDraw& frame, const Map& map)
   }
   const std::vector<Point> hull = hullOf(std::move(corners));
   tracePolygon(canvas, hull);
-  canvas.color(mixed(kNight, kDusk, 0.95));
-  cairo_fill_preserve(canvas.pen());
-  canvas.color(kQuiet.faded(0.5));
-  cairo_set_line_width(canvas.pen(), 1.2);
-  cairo_stroke(canvas.pen());
+  if (filled) {
+    canvas.color(kDusk);
+    cairo_fill(canvas.pen());
+  } else {
+    canvas.color(kPaper.faded(0.65));
+    cairo_set_line_width(canvas.pen(), 1.6);
+    cairo_stroke(canvas.pen());
+  }
 }
 
 struct Footprint {
   std::array<Point, 4> corners;
   double area = 0.0;
+  bool flat = false;  ///< ground, roads: hides nothing and would cover the map
 };
 
 Footprint footprintOf(const Box& box, const Map& map) {
@@ -141,6 +149,8 @@ Footprint footprintOf(const Box& box, const Map& map) {
   for (std::size_t i = 0; i < 4; ++i) print.corners[i] = map.at(world[i]);
   const Point a = print.corners[1] - print.corners[0], b = print.corners[3] - print.corners[0];
   print.area = std::abs(a.x * b.y - a.y * b.x);
+  const double least_side = std::min(box.max.x - box.min.x, box.max.z - box.min.z);
+  print.flat = box.max.y - box.min.y < kFlat * least_side;
   return print;
 }
 
@@ -161,12 +171,13 @@ void drawFootprint(const Canvas& canvas, const Footprint& print, const Map& map,
                     color.faded(0.9));
     return;
   }
-  // Grounds, skies and terrains would cover the map: they are hardly tinted.
-  const bool vast = print.area > 0.10 * map.page().x * map.page().y;
+  const double share = print.area / (map.page().x * map.page().y);
+  const double strength =
+      (print.flat ? 0.16 : 0.72) * std::clamp(kLarge / std::max(share, kLarge), 0.05, 1.0);
   tracePolygon(canvas, print.corners);
-  canvas.color(color.faded(vast ? 0.05 : 0.62));
+  canvas.color(color.faded(strength));
   cairo_fill_preserve(canvas.pen());
-  canvas.color(mixed(color, kNight, 0.25).faded(vast ? 0.5 : 0.9));
+  canvas.color(mixed(color, kNight, 0.25).faded(strength < 0.3 ? 0.35 : 0.9));
   cairo_set_line_width(canvas.pen(), 0.8);
   cairo_stroke(canvas.pen());
 }
@@ -247,11 +258,14 @@ void drawEyeAndScale(const Canvas& canvas, const FrameToDraw& frame, const Map& 
   std::snprintf(label.data(), label.size(), length_m < 1000.0 ? "%g m" : "%g km",
                 length_m < 1000.0 ? length_m : length_m / 1000.0);
   const double bar = length_m * map.pixelsPerMetre();
-  const double right = canvas.width() - 22.0 * unit, line = 44.0 * unit;
-  canvas.fillRect(right - bar, line, bar, 2.5 * unit, kPaper);
-  canvas.text(right - bar, line - 8.0 * unit, 13.0 * unit, kPaper, label.data());
-  canvas.text(22.0 * unit, 32.0 * unit, 14.0 * unit, kQuiet,
-              "from above; the camera is the white dot, its rays end where it glows");
+  const double strip = map.page().y - 30.0 * unit, line = map.page().y - 9.0 * unit;
+  canvas.fillRect(0, strip, canvas.width(), 30.0 * unit, kNight.faded(0.82));
+  canvas.text(22.0 * unit, line, 13.0 * unit, kPaper,
+              "From above. White dot: the camera, looking up the page. Glow: where its rays end. "
+              "In the frustum without glow: hidden.");
+  const double right = canvas.width() - 22.0 * unit;
+  canvas.fillRect(right - bar, line + 1.0 * unit, bar, 2.5 * unit, kPaper);
+  canvas.text(right - bar, line - 4.0 * unit, 13.0 * unit, kPaper, label.data());
 }
 
 }  // namespace
@@ -265,11 +279,12 @@ Result<void> drawFromAbove(const FrameToDraw& frame, const std::string& path_png
   const auto footer_px = static_cast<std::uint32_t>(report::kFooterPx * (width_px / 1280.0));
   const report::Canvas canvas(width_px, height_px + footer_px);
   const report::Map map(frame, width_px, height_px);
-  report::drawFrustum(canvas, frame, map);
+  report::drawFrustum(canvas, frame, map, true);
   for (const Verdict verdict :
        {Verdict::kOutside, Verdict::kLeftOut, Verdict::kKept, Verdict::kSeen}) {
     report::drawObjects(canvas, frame, map, verdict);
   }
+  report::drawFrustum(canvas, frame, map, false);
   if (auto drawn = report::drawGlow(canvas, frame, map); !drawn) return std::move(drawn).error();
   report::drawObjects(canvas, frame, map, Verdict::kMissed);
   report::drawEyeAndScale(canvas, frame, map);
