@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <thread>
 
 #include "culling/core/simd.h"
 #include "tests/unit/spatial/box_scene.h"
@@ -239,6 +240,38 @@ TEST(Frustum, AnswersEveryPoseWithinTheMotionBound) {
       }
     }
   }
+}
+
+TEST(Frustum, AnswersManyThreadsWhileNewerVersionsAreMade) {
+  std::mt19937_64 random(10);
+  SnapshotPtr scene = boxScene(randomBoxes(3000, {0, 0, 0}, 50.0, 11));
+  const std::unique_ptr<Culler> first = prepared(scene);
+  const Camera camera = perspectiveCamera(random, {0, 0, 0}, 50.0);
+  ViewState view;
+  const std::vector<ObjectId> expected = first->cull(camera, {}, view).visible;
+  std::atomic<int> different{0};
+  std::vector<std::jthread> readers;
+  for (int t = 0; t < 3; ++t) {
+    readers.emplace_back([&] {
+      ViewState mine;
+      for (int n = 0; n < 200; ++n)
+        different += first->cull(camera, {}, mine).visible != expected ? 1 : 0;
+    });
+  }
+  std::unique_ptr<Culler> newest;
+  for (int n = 0; n < 100; ++n) {
+    auto t = scene->instance(static_cast<ObjectId>(n)).world_from_mesh;
+    t[7] += 30.0;
+    auto edit = applyEdits(scene, std::vector<Edit>{MoveObject{static_cast<ObjectId>(n), t}});
+    ASSERT_TRUE(edit.ok());
+    scene = edit.value().snapshot;
+    const Culler& base = n == 0 ? *first : *newest;  // the first edit starts from what others read
+    auto next = base.edited(scene, edit.value().changed);
+    ASSERT_TRUE(next.ok());
+    newest = std::move(next).value();
+  }
+  readers.clear();
+  EXPECT_EQ(different, 0);
 }
 
 TEST(Frustum, HoldsAtMost45BytesPerObject) {
