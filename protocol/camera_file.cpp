@@ -93,8 +93,7 @@ class CameraReader {
     if (skipping()) return deeper();
     if (level_ != kInList) return wrongValue();
     if (cameras_.size() == kMaxFileCameras) {
-      return fail(ErrorCode::kLimit,
-                  "more than " + std::to_string(kMaxFileCameras) + " cameras");
+      return fail(ErrorCode::kLimit, "more than " + std::to_string(kMaxFileCameras) + " cameras");
     }
     level_ = kInCamera;
     given_.reset();
@@ -146,8 +145,8 @@ class CameraReader {
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 == 0
     return fail(ErrorCode::kInvalidInput, "line " + std::to_string(line) + ", column " +
-                                            std::to_string(before.size() - line_start) +
-                                            ": not valid JSON");
+                                              std::to_string(before.size() - line_start) +
+                                              ": not valid JSON");
   }
   // NOLINTEND(readability-identifier-naming)
 
@@ -233,7 +232,8 @@ class CameraReader {
     return failCamera('"' + std::string(kFields[field_].name) + '"' + what);
   }
   bool failCamera(const std::string& what) {
-    return fail(ErrorCode::kInvalidInput, "camera " + std::to_string(cameras_.size()) + ": " + what);
+    return fail(ErrorCode::kInvalidInput,
+                "camera " + std::to_string(cameras_.size()) + ": " + what);
   }
   bool fail(ErrorCode code, const std::string& what) {
     error_ = {code, name_ + ": " + what};

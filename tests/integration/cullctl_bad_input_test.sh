@@ -92,7 +92,7 @@ expect 2 'cullctl: --count: Value 0 not in range 1 to 1000000' "$cullctl" ping -
 for command in "$culld cull cut.glb --cameras c.json -o a.json" "$cullctl put t cut.glb --connect $tcp"; do
   got=0
   (cd "$work" && $command) 2>"$work/stderr" || got=$?
-  [ "$got" = 2 ] && [ "$(wc -l <"$work/stderr")" = 1 ] || die "$command: exit $got, $(cat "$work/stderr")"
+  if [ "$got" != 2 ] || [ "$(wc -l <"$work/stderr")" != 1 ]; then die "$command: exit $got, $(cat "$work/stderr")"; fi
   checked=$((checked + 1))
 done
 "$cullctl" info s --connect "$tcp" >/dev/null || die "the server is gone"

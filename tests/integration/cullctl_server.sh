@@ -1,3 +1,4 @@
+# shellcheck shell=bash disable=SC2034  # tcp and unix are for the tests that source this
 # Sourced by the tests of cullctl: a culld of their own on a free port and a Unix socket.
 # usage: source cullctl_server.sh BIN_DIR; sets $bin, $work, $tcp, $unix; cleans up at exit.
 set -euo pipefail
