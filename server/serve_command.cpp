@@ -12,6 +12,7 @@
 #include <optional>
 #include <thread>
 
+#include "server/scene_files.h"
 #include "server/server.h"
 
 namespace culld {
