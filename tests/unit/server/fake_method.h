@@ -1,0 +1,96 @@
+// A method for tests of the server: its answer is easy to foretell and its time is the test's to
+// say.
+#pragma once
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "culling/culler.h"
+#include "culling/scene/scene_builder.h"
+
+namespace culld::server {
+
+/// The objects that the fake answers: active, and id + floor(eye.x) divisible by three.
+inline std::vector<ObjectId> fakeVisible(const SceneSnapshot& scene, double eye_x) {
+  const auto shift = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(eye_x)));
+  std::vector<ObjectId> visible;
+  for (std::size_t i = 0; i < scene.objectCount(); ++i) {
+    const auto id = static_cast<ObjectId>(i);
+    if (scene.instance(id).active() && (id + shift) % 3 == 0) visible.push_back(id);
+  }
+  return visible;
+}
+
+class FakeMethod : public Method {
+ public:
+  explicit FakeMethod(std::string name = "fake") : name_(std::move(name)) {}
+
+  // Set before use.
+  std::function<void()> on_cull;  ///< called in the middle of each cull
+  std::string refusal;            ///< not empty: no scene is accepted
+  bool fails_to_prepare = false;
+  std::chrono::nanoseconds cull_time{1000};
+  // Counted.
+  mutable std::atomic<int> prepared{0};
+  mutable std::atomic<int> refitted{0};
+
+  MethodInfo info() const noexcept override {
+    return {name_, "test", Guarantee::kConservative, "boxes"};
+  }
+  Result<void> accepts(const SceneProfile&) const override {
+    if (!refusal.empty()) return Error{ErrorCode::kUnsupported, refusal};
+    return Done{};
+  }
+  Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock&) const override {
+    ++prepared;
+    if (fails_to_prepare) return Error{ErrorCode::kUnavailable, "no memory"};
+    return std::unique_ptr<Culler>(std::make_unique<FakeCuller>(*this, std::move(scene)));
+  }
+
+ private:
+  class FakeCuller : public Culler {
+   public:
+    FakeCuller(const FakeMethod& method, SnapshotPtr scene)
+        : method_(method), scene_(std::move(scene)) {}
+
+    Answer cull(const Camera& camera, const Demand&, ViewState&) const override {
+      if (method_.on_cull) method_.on_cull();
+      Answer answer;
+      answer.visible = fakeVisible(*scene_, camera.origin_world.x);
+      answer.seen.assign(answer.visible.size(), 1);
+      answer.stats.time = method_.cull_time;
+      answer.stats.tested = static_cast<std::uint32_t>(scene_->objectCount());
+      return answer;
+    }
+    Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
+                                           std::span<const ObjectId>) const override {
+      ++method_.refitted;
+      return std::unique_ptr<Culler>(std::make_unique<FakeCuller>(method_, std::move(next)));
+    }
+    std::size_t preparedBytes() const noexcept override { return 0; }
+
+   private:
+    const FakeMethod& method_;
+    SnapshotPtr scene_;
+  };
+
+  std::string name_;
+};
+
+/// `count` triangles in a row.
+inline SnapshotPtr rowOfObjects(std::uint32_t count) {
+  RawSurface surface;
+  surface.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  surface.indices = {0, 1, 2};
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({surface}));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    builder.addInstance(mesh, {1, 0, 0, static_cast<double>(i), 0, 1, 0, 0, 0, 0, 1, 0}, i);
+  }
+  return builder.finish();
+}
+
+}  // namespace culld::server
