@@ -2,6 +2,7 @@
 #include "culling/scene/mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -31,27 +32,33 @@ std::vector<glm::vec3> gatherPositions(const std::vector<RawSurface>& surfaces) 
   return all;
 }
 
+/// A position as bits, then its index: finite numbers without -0 are equal when their bits are.
+struct Entry {
+  std::uint64_t xy = 0, z_index = 0;
+
+  Entry(const glm::vec3& p, std::uint32_t index)
+      : xy(join(std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y))),
+        z_index(join(std::bit_cast<std::uint32_t>(p.z), index)) {}
+  std::uint32_t index() const { return static_cast<std::uint32_t>(z_index); }
+  bool samePlace(const Entry& o) const { return xy == o.xy && z_index >> 32U == o.z_index >> 32U; }
+  bool operator<(const Entry& o) const { return xy != o.xy ? xy < o.xy : z_index < o.z_index; }
+
+ private:
+  static std::uint64_t join(std::uint64_t high, std::uint64_t low) { return high << 32U | low; }
+};
+
 /// For each position the first one equal to it, or kNotFinite.
 std::vector<std::uint32_t> firstEqual(const std::vector<glm::vec3>& positions) {
-  struct Entry {
-    glm::vec3 p;
-    std::uint32_t index;
-  };
   std::vector<Entry> sorted;
   sorted.reserve(positions.size());
   std::vector<std::uint32_t> first(positions.size(), kNotFinite);
   for (std::uint32_t i = 0; i < positions.size(); ++i) {
-    if (finite(positions[i])) sorted.push_back({positions[i], i});
+    if (finite(positions[i])) sorted.emplace_back(positions[i], i);
   }
-  std::sort(sorted.begin(), sorted.end(), [](const Entry& a, const Entry& b) {
-    if (a.p.x != b.p.x) return a.p.x < b.p.x;
-    if (a.p.y != b.p.y) return a.p.y < b.p.y;
-    if (a.p.z != b.p.z) return a.p.z < b.p.z;
-    return a.index < b.index;
-  });
+  std::sort(sorted.begin(), sorted.end());
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const bool same = i > 0 && sorted[i].p == sorted[i - 1].p;
-    first[sorted[i].index] = same ? first[sorted[i - 1].index] : sorted[i].index;
+    const bool same = i > 0 && sorted[i].samePlace(sorted[i - 1]);
+    first[sorted[i].index()] = same ? first[sorted[i - 1].index()] : sorted[i].index();
   }
   return first;
 }
@@ -182,11 +189,16 @@ class EdgePairing {
     for (std::size_t i = 0; i < edges.size();) {
       std::size_t end = i + 1;
       while (end < edges.size() && edges[end].higher_vertex == edges[i].higher_vertex) ++end;
-      // Alike surfaces first: a wall's edge should meet the wall, not the glass that touches it.
-      for (std::uint8_t kind = 0; kind < 4; ++kind) pairAlike(edges.subspan(i, end - i), kind);
-      pairAlike(edges.subspan(i, end - i), kAnyKind);
+      pairMeeting(edges.subspan(i, end - i));
       i = end;
     }
+  }
+
+  /// Alike surfaces first: a wall's edge should meet the wall, not the glass that touches it.
+  void pairMeeting(std::span<const FiledEdge> edges) {
+    if (edges.size() < 2) return;
+    for (std::uint8_t kind = 0; edges.size() > 2 && kind < kAnyKind; ++kind) pairAlike(edges, kind);
+    pairAlike(edges, kAnyKind);
   }
 
   static constexpr std::uint8_t kAnyKind = 4;
