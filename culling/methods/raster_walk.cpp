@@ -111,9 +111,9 @@ void RasterWalk::drawObject(const RasterItem& item) {
     if (s.blocks) memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
   }
   const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
-  const SheetObject object{
-      mesh.positions,           mesh.triangles, mesh.partners,     memory_.surfaces,
-      instance.world_from_mesh, largest,        instance.mirrored, item.nearest};
+  const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
+                           memory_.surfaces, instance.world_from_mesh, largest,
+                           item.nearest};
   stats_.triangles_drawn += memory_.sheets.draw(object, view_, origin_world_, memory_.cells);
   ++stats_.occluders_drawn;
 }

@@ -38,6 +38,18 @@ ObjectRow objectRow(const glm::dvec4& row, const std::array<double, 12>& m,
   return out;
 }
 
+/// Sign of the linear part's determinant: -1 mirrors, 0 is flat or so nearly flat that rounding
+/// could decide. Six products of three and five sums: 8 units cover them.
+double handedness(const std::array<double, 12>& m) {
+  const double a = m[0] * m[5] * m[10], b = m[1] * m[6] * m[8], c = m[2] * m[4] * m[9];
+  const double d = m[2] * m[5] * m[8], e = m[1] * m[4] * m[10], f = m[0] * m[6] * m[9];
+  const double det = (a + b + c) - (d + e + f);
+  const double terms =
+      std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d) + std::abs(e) + std::abs(f);
+  if (!(std::abs(det) > 8.0 * 0x1p-53 * terms + 1e-280)) return 0.0;
+  return det > 0.0 ? 1.0 : -1.0;
+}
+
 double at(const ObjectRow& row, const glm::dvec3& p) {
   return row.x * p.x + row.y * p.y + row.z * p.z + row.constant;
 }
@@ -60,16 +72,15 @@ void SheetRasterizer::transform(const SheetObject& object, const CellView& view,
   }
 }
 
-void SheetRasterizer::orient(const SheetObject& object, const CellView& view) {
+void SheetRasterizer::orient(const SheetObject& object, double front_sign) {
   orientation_.assign(object.triangles.size(), 0);
-  const double front = object.mirrored ? -view.front_sign : view.front_sign;
   for (const SheetSurface& surface : object.surfaces) {
     for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
       const std::uint32_t t = surface.first_triangle + i;
       const auto& corner = object.triangles[t];
       const int sign = certainOrientation(vertices_[corner[0]], vertices_[corner[1]],
                                           vertices_[corner[2]], error_, grid_);
-      if (surface.double_sided || sign * front > 0.0)
+      if (surface.double_sided || sign * front_sign > 0.0)
         orientation_[t] = static_cast<std::int8_t>(sign);
     }
   }
@@ -158,12 +169,13 @@ void SheetRasterizer::finish(DepthCells& cells) {
 
 std::uint32_t SheetRasterizer::draw(const SheetObject& object, const CellView& view,
                                     const glm::dvec3& camera_origin_world, DepthCells& cells) {
-  if (view.front_sign == 0.0) return 0;
+  const double front_sign = view.front_sign * handedness(object.world_from_mesh);
+  if (front_sign == 0.0) return 0;  // front and back cannot be told apart: nothing blocks
   grid_ = {static_cast<double>(view.grid.width), static_cast<double>(view.grid.height)};
   if (slot_of_block_.size() < view.grid.blocks())
     slot_of_block_.resize(view.grid.blocks(), kNoSlot);
   transform(object, view, camera_origin_world);
-  orient(object, view);
+  orient(object, front_sign);
   std::uint32_t drawn = 0;
   for (const SheetSurface& surface : object.surfaces) {
     for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {

@@ -29,7 +29,6 @@ struct SheetObject {
   std::span<const SheetSurface> surfaces;   ///< those that block
   std::array<double, 12> world_from_mesh;   ///< three rows of four
   glm::dvec3 largest;                       ///< of |x|, |y|, |z| over positions
-  bool mirrored;                            ///< negative determinant
   float nearest;                            ///< no point of it is nearer (see BoxRects)
 };
 
@@ -43,7 +42,7 @@ class SheetRasterizer {
 
  private:
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
-  void orient(const SheetObject& object, const CellView& view);
+  void orient(const SheetObject& object, double front_sign);
   void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
   void drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x, std::uint32_t block_y,
                  float nearest, DepthCells& cells);

@@ -55,10 +55,12 @@ class SheetTest : public ::testing::Test {
     cells_.reset(view_.grid);
   }
 
-  void draw(const HandMesh& mesh, bool double_sided = false, bool mirrored = false) {
+  void draw(const HandMesh& mesh, bool double_sided = false, bool mirrored = false,
+            double thickness = 1.0) {
     const std::vector<std::uint32_t> partners = mesh.partners();
     const SheetSurface surface{0, static_cast<std::uint32_t>(mesh.triangles.size()), double_sided};
-    std::array<double, 12> world{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    std::array<double, 12> world{1, 0, 0, 0, 0,         1,
+                                 0, 0, 0, 0, thickness, -10.0 * (1.0 - thickness)};
     if (mirrored) world[0] = -1.0;
     rasterizer_.draw({mesh.positions,
                       mesh.triangles,
@@ -66,7 +68,7 @@ class SheetTest : public ::testing::Test {
                       {&surface, 1},
                       world,
                       glm::dvec3(1e4),
-                      mirrored,
+
                       1e30F},
                      view_, camera_.origin_world, cells_);
   }
@@ -126,6 +128,13 @@ TEST_F(SheetTest, AMirroredWallTurnsItsOtherSide) {
   wall.quad(-50, -50, 50, 50, -10);
   draw(wall, false, true);  // the mirror itself reverses the winding: still its front
   EXPECT_EQ(coveredCells(), allCells());
+}
+
+TEST_F(SheetTest, AnObjectFlattenedBeyondTellingItsFrontCoversNothing) {
+  HandMesh wall;
+  wall.quad(-50, -50, 50, 50, -10);
+  draw(wall, true, false, 0.0);
+  EXPECT_EQ(coveredCells(), 0U);
 }
 
 TEST_F(SheetTest, AGapThinnerThanACellStaysOpen) {
