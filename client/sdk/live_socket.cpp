@@ -7,6 +7,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -108,10 +109,11 @@ Result<std::unique_ptr<LiveSocket>> LiveSocket::connect(const Address& address,
   ws.read_message_max(protocol::kMaxReplyBytes);
 
   http::response<http::string_body> reply;
-  error_code failed;
-  ws.async_handshake(reply, hostHeader(address), target, [&failed](error_code ec) { failed = ec; });
+  std::optional<error_code> done;
+  ws.async_handshake(reply, hostHeader(address), target, [&done](error_code ec) { done = ec; });
   impl->io->restart();
-  impl->io->run();
+  while (!done) impl->io->run_one();  // not run(): Beast's timer goes on after a refusal
+  const error_code failed = *done;
   if (failed) return upgradeError(address, failed, reply);
   if (reply[http::field::sec_websocket_protocol] != protocol::kSubprotocol) {
     return Error{ErrorCode::kUnsupported, toString(address) + ": the server does not speak " +

@@ -47,6 +47,15 @@ class Peer {
     ws_.accept();
     ws_.binary(true);
   }
+  /// Answers the upgrade with something else.
+  void refuse(unsigned status, const std::string& body) {
+    beast::flat_buffer in;
+    http::request<http::string_body> request;
+    http::read(ws_.next_layer(), in, request);
+    http::response<http::string_body> reply(http::int_to_status(status), 11, body);
+    reply.prepare_payload();
+    http::write(ws_.next_layer(), reply);
+  }
   void greet() {
     accept();
     const Message hello = next();
@@ -82,7 +91,7 @@ class Peer {
   void awaitEnd() {
     beast::flat_buffer in;
     beast::error_code ec;
-    while (!ec) ws_.read(in, ec);
+    while (!ec && ws_.is_open()) ws_.read(in, ec);
   }
 
  private:
@@ -425,6 +434,19 @@ TEST(Connection, PassesOnThatVersionsDoNotMeet) {
   ASSERT_FALSE(connection.ok());
   EXPECT_EQ(connection.error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(connection.error().message, "protocol 1 to 1 asked for");
+}
+
+TEST(Connection, PassesOnARefusalAtOnce) {
+  Script server([](Peer& peer) {
+    peer.refuse(404, R"({"error":"scene \"town\" is not known"})");
+    peer.awaitEnd();
+  });
+  const auto start = std::chrono::steady_clock::now();
+  const auto connection = Connection::open(server.address(), "town", {5000ms, 1000ms, 10'000ms});
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 3s);  // the handshake's limit is 5 s
+  ASSERT_FALSE(connection.ok());
+  EXPECT_EQ(connection.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(connection.error().message, "scene \"town\" is not known");
 }
 
 TEST(Connection, SaysWhoCannotBeReached) {
