@@ -96,9 +96,9 @@ HttpReply objectTable(const std::string& name, const SceneEntry& entry) {
   std::string instances;
   for (std::size_t i = 0; i < scene.objectCount(); ++i) {
     const Instance& object = scene.instance(static_cast<ObjectId>(i));
-    const char* const comma = i == 0 ? "" : ",";
-    nodes += comma + std::to_string(object.node);
-    instances += comma + std::to_string(object.instance_number);
+    if (i > 0) nodes += ',', instances += ',';
+    nodes += std::to_string(object.node);
+    instances += std::to_string(object.instance_number);
   }
   return {200,
           "application/json",
