@@ -21,9 +21,10 @@ void append(Bytes& bytes, const T& value) {
   bytes.insert(bytes.end(), from, from + sizeof value);
 }
 
-/// A GLB container around any JSON and binary chunk.
-inline Bytes glbOf(std::string json, const Bytes& binary) {
+/// A GLB container around any JSON and binary chunk, both padded to four bytes.
+inline Bytes glbOf(std::string json, Bytes binary) {
   while (json.size() % 4 != 0) json += ' ';
+  while (binary.size() % 4 != 0) binary.push_back(std::byte{0});
   Bytes file;
   const std::size_t chunk = binary.empty() ? 0 : 8 + binary.size();
   append(file, std::uint32_t{0x46546C67});
