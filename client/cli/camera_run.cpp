@@ -80,6 +80,17 @@ FramePtr CameraRun::cull(std::size_t camera) {
   return std::move(frame).value();
 }
 
+Result<std::size_t> CameraRun::inFrustum(std::size_t camera) {
+  if (!frustum_view_) {
+    auto view = connection_->openView("frustum");
+    if (!view) return std::move(view).error();
+    frustum_view_ = std::move(view).value();
+  }
+  const auto frame = frustum_view_->cull(cameras_[camera]);
+  if (!frame) return frame.error();
+  return frame.value()->visible.size();
+}
+
 FramePtr CameraRun::stop(int exit_code) {
   exit_code_ = exit_code;
   return nullptr;

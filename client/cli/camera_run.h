@@ -27,6 +27,10 @@ class CameraRun {
   FramePtr cull(std::size_t camera);
   int exitCode() const noexcept { return exit_code_; }
 
+  /// How many objects are not outside the frustum: a method that skips what is hidden never counts
+  /// them, so a second view asks the method that only looks at the frustum.
+  Result<std::size_t> inFrustum(std::size_t camera);
+
   /// Writes the answers to cull() calls since start(), if an output was asked for.
   int finish();
 
@@ -43,7 +47,7 @@ class CameraRun {
   protocol::AnswerHeader header_;
   std::atomic<bool> replaced_ = false;
   std::unique_ptr<Connection> connection_;
-  std::optional<View> view_;
+  std::optional<View> view_, frustum_view_;
   int exit_code_ = kFine;
 };
 

@@ -13,8 +13,7 @@ namespace {
 using nlohmann::json;
 
 struct Measured {
-  std::uint32_t in_frustum = 0;
-  std::size_t answered = 0, bytes = 0;
+  std::size_t in_frustum = 0, answered = 0, bytes = 0;
   double server_ms = 0.0, round_trip_ms = 0.0;
   bool delta = false;
 };
@@ -29,7 +28,7 @@ void printHead(const CameraRun& run) {
 }
 
 void printFrame(std::size_t number, std::uint32_t objects, const Measured& m) {
-  std::printf("%6zu %9u %11u %9zu %10.3f %13.3f %9zu%s\n", number, objects, m.in_frustum,
+  std::printf("%6zu %9u %11zu %9zu %10.3f %13.3f %9zu%s\n", number, objects, m.in_frustum,
               m.answered, m.server_ms, m.round_trip_ms, m.bytes, m.delta ? " (change)" : "");
   std::fflush(stdout);
 }
@@ -45,7 +44,7 @@ void printSummary(const std::vector<Measured>& all) {
   const auto server = fieldOf(all, &Measured::server_ms);
   const auto trip = fieldOf(all, &Measured::round_trip_ms);
   const auto bytes = fieldOf(all, &Measured::bytes);
-  std::printf("%zu frames, medians: %u in frustum, %zu answered\n", all.size(),
+  std::printf("%zu frames, medians: %zu in frustum, %zu answered\n", all.size(),
               percentile(fieldOf(all, &Measured::in_frustum), 50),
               percentile(fieldOf(all, &Measured::answered), 50));
   std::printf("server time: median %.3f ms, p95 %.3f ms; round trip: median %.3f ms, p95 %.3f ms\n",
@@ -70,7 +69,6 @@ json jsonOf(std::size_t camera, const Frame& frame, const Measured& m) {
 
 Measured measure(const Frame& frame, std::chrono::steady_clock::duration round_trip) {
   Measured m;
-  m.in_frustum = frame.stats.in_frustum;
   m.answered = frame.visible.size();
   m.bytes = frame.wire_bytes;
   m.server_ms = static_cast<double>(frame.stats.cull_ns) * 1e-6;
@@ -98,7 +96,10 @@ int runFly(const Address& server, const FlyArguments& arguments) {
       const auto start = std::chrono::steady_clock::now();
       const FramePtr frame = run.cull(i);
       if (frame == nullptr) return run.exitCode();
-      const Measured m = measure(*frame, std::chrono::steady_clock::now() - start);
+      Measured m = measure(*frame, std::chrono::steady_clock::now() - start);
+      const auto in_frustum = run.inFrustum(i);
+      if (!in_frustum) return fail(in_frustum.error());
+      m.in_frustum = in_frustum.value();
       printFrame(i, frame->scene_objects, m);
       if (!arguments.loop) all.push_back(m);
       if (!arguments.json_output.empty()) frames.push_back(jsonOf(i, *frame, m));

@@ -72,7 +72,8 @@ assert frames[0]["instances"] == {"1": [2, 3]} and frames[1]["instances"] == {"1
 assert "instances" not in frames[2], frames
 flight = json.load(open(sys.argv[1] + "/frames.json"))
 assert [len(f["objects_visible"]) for f in flight] == [2, 5, 0] and flight[1]["answered"] == 5, flight
-assert all(f["bytes"] > 0 and f["objects"] == 5 for f in flight), flight
+assert all(f["bytes"] > 0 and f["objects"] == 5 and f["in_frustum"] >= f["answered"] for f in flight), flight
+assert flight[1]["in_frustum"] == 5, flight
 END
 [ "$compared" -ge 27 ] || die "only $compared comparisons"
 
