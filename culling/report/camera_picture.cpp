@@ -72,7 +72,7 @@ class Painter {
     const Verdict verdict = frame_.verdicts[pixel.object];
     const Color base = verdict == Verdict::kMissed
                            ? colorOf(verdict)
-                           : mixed(colorOf(Verdict::kSeen), kSeenToo, 0.8 * varied(pixel.object));
+                           : mixed(colorOf(Verdict::kSeen), kSeenToo, 0.5 * varied(pixel.object));
     const glm::vec3 light(0.37F, 0.82F, 0.44F);
     const double lit = 0.5 + 0.5 * static_cast<double>(glm::dot(pixel.normal_world, light));
     const double strength = (0.30 + 0.62 * lit) * (0.85 + 0.20 * varied(pixel.object ^ 0x5555U));

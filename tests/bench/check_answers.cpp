@@ -14,7 +14,7 @@ namespace {
 
 struct Arguments {
   std::string scene, cameras, answers, pictures, json;
-  std::uint32_t samples = 4, rays = 32, every = 1, poses = 4;
+  std::uint32_t samples = 4, rays = 16, every = 1, poses = 4;
 };
 
 int fail(const std::string& message, int code = 2) {
