@@ -153,6 +153,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!part_) part_ = std::make_unique<std::array<std::byte, kPartBytes>>();
     body_->get().body().data = part_->data();
     body_->get().body().size = part_->size();
+    if (body_->is_done()) return finishUpload();
     stream_.expires_after(context_.limits.body_timeout);
     http::async_read_some(stream_, buffer_, *body_,
                           [self = shared_from_this()](beast::error_code failure, std::size_t) {
@@ -170,12 +171,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (auto written = upload_->append({part_->data(), got}); !written) {
       return refuseBody(errorReply(written.error()));
     }
-    if (body_->is_done()) return finishUpload();
     const auto seconds =
         std::chrono::duration<double>(context_.clock.now() - upload_started_).count() -
         std::chrono::duration<double>(context_.limits.body_timeout).count();
     const auto least = static_cast<double>(context_.limits.min_upload_bytes_per_s);
-    if (seconds > 0 && static_cast<double>(upload_->size()) < seconds * least) {
+    if (!body_->is_done() && static_cast<double>(upload_->size()) < seconds * least) {
       return refuseBody(errorReply(408, "upload slower than " +
                                             std::to_string(context_.limits.min_upload_bytes_per_s) +
                                             " bytes per second"));
