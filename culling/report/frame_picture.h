@@ -8,8 +8,8 @@
 
 #include "culling/core/camera.h"
 #include "culling/core/result.h"
+#include "culling/culler.h"
 #include "culling/oracle/oracle.h"
-#include "culling/scene/scene_snapshot.h"
 
 namespace culld {
 
