@@ -20,7 +20,7 @@ namespace {
 using namespace gltf;  // NOLINT: this file is the door of that namespace
 
 /// Parsed JSON and the structs made of it take at most about this much per byte of text.
-constexpr std::uint64_t kBytesPerJsonByte = 64;
+constexpr std::uint64_t kBytesPerJsonByte = 80;
 
 /// Tells the caller how far loading is. THREADS: any.
 class Progress {

@@ -53,19 +53,9 @@ void refuseBadRoots(const Document& document, const Parents& parents) {
   }
 }
 
-}  // namespace
-
-std::vector<PlacedNode> placeNodes(const Document& document) {
-  const Parents parents = findParents(document);
-  refuseCycles(parents);
-  refuseBadRoots(document, parents);
-
-  std::vector<PlacedNode> placed;
-  std::vector<PlacedNode> open;
-  for (const std::uint32_t root : document.roots) {
-    const Node& node = document.nodes[root];
-    open.push_back({root, node.parent_from_node, node.restless});
-  }
+void placeBelow(const Document& document, std::uint32_t root, std::vector<PlacedNode>& placed) {
+  const Node& top = document.nodes[root];
+  std::vector<PlacedNode> open = {{root, top.parent_from_node, top.restless}};
   while (!open.empty()) {
     const PlacedNode here = open.back();
     open.pop_back();
@@ -78,6 +68,17 @@ std::vector<PlacedNode> placeNodes(const Document& document) {
                       here.restless || below.restless});
     }
   }
+}
+
+}  // namespace
+
+std::vector<PlacedNode> placeNodes(const Document& document) {
+  const Parents parents = findParents(document);
+  refuseCycles(parents);
+  refuseBadRoots(document, parents);
+
+  std::vector<PlacedNode> placed;
+  for (const std::uint32_t root : document.roots) placeBelow(document, root, placed);
   std::sort(placed.begin(), placed.end(),
             [](const PlacedNode& a, const PlacedNode& b) { return a.node < b.node; });
   return placed;
