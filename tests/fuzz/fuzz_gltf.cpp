@@ -40,7 +40,8 @@ void checkScene(const culld::SceneSnapshot& scene) {
     const culld::Instance& instance = scene.instance(id);
     require(instance.mesh < scene.meshCount());
     require(!instance.hidden && !instance.removed);
-    require(instance.always_kept || instance.bounds_world.empty() || instance.bounds_world.finite());
+    require(instance.always_kept || instance.bounds_world.empty() ||
+            instance.bounds_world.finite());
   }
 }
 

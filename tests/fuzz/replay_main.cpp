@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files of its corpus where libFuzzer is not there, so that what a fuzzer
-// once found stays fixed in every build.
+// Runs a fuzz target over the files of its corpus where libFuzzer is not there, so that what a
+// fuzzer once found stays fixed in every build.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
