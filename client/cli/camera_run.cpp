@@ -67,8 +67,10 @@ FramePtr CameraRun::cull(std::size_t camera) {
   if (!frame) {
     const Error& error = frame.error();
     if (error.code == ErrorCode::kUnavailable) return stop(fail(error));
-    return stop(fail(kUsage, arguments_->cameras + ": camera " + std::to_string(camera) + ": " +
-                                 withoutView(error.message)));
+    const std::string what = withoutView(error.message);
+    if (what.rfind("demand.", 0) == 0) return stop(fail(kUsage, what));  // the options' fault
+    return stop(
+        fail(kUsage, arguments_->cameras + ": camera " + std::to_string(camera) + ": " + what));
   }
   if (!protocol::satisfies(frame.value()->guarantee, demand_.guarantee)) {
     return stop(fail(kFailed, arguments_->cameras + ": camera " + std::to_string(camera) +

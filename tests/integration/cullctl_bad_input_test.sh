@@ -58,6 +58,8 @@ done <<'END'
 2|absent.json: cannot read: No such file or directory|--cameras absent.json
 2|plain.json: camera 0: image size is zero|--cameras plain.json --width 0
 2|guarantee exact: not one of conservative, hole, sampled, approximate|--cameras c.json --guarantee exact
+2|demand.hole_px is not a number >= 0|--cameras c.json --guarantee hole --hole-px -1
+2|demand.accepted_missed_px is not a number >= 0|--cameras c.json --accept-missed-px nan
 2|Could not convert: --time-us = soon|--cameras c.json --time-us soon
 2|Could not convert: --width = -1|--cameras c.json --width -1
 2|--cameras is required|--method frustum
