@@ -15,6 +15,11 @@ namespace {
 
 constexpr int kUsage = 2;
 
+int complain(const std::string& message) {
+  std::fprintf(stderr, "culld: %s\n", message.c_str());
+  return kUsage;
+}
+
 struct Arguments {
   ServeArguments serve;
   std::string backend = "auto";
@@ -52,19 +57,16 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& failure) {
-    const int code = app.exit(failure);
-    return code == 0 ? 0 : kUsage;
+    if (failure.get_exit_code() == 0) return app.exit(failure);  // --help, --version
+    return complain(failure.what());
   }
   if (cull->parsed()) return runCull(cull->remaining());
   if (!serve->parsed()) return runMethods(arguments.json);
   if (arguments.backend != "auto" && arguments.backend != "cpu") {
-    std::fprintf(stderr, "culld: --backend %s: this build has cpu only\n",
-                 arguments.backend.c_str());
-    return kUsage;
+    return complain("--backend " + arguments.backend + ": this build has cpu only");
   }
   if (auto forced = forceSimdTarget(arguments.simd); !forced) {
-    std::fprintf(stderr, "culld: --simd: %s\n", forced.error().message.c_str());
-    return kUsage;
+    return complain(forced.error().message);
   }
   return runServe(arguments.serve);
 }

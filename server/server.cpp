@@ -40,8 +40,9 @@ class Acceptor {
     if (!failure) acceptor_.set_option(asio::socket_base::reuse_address(true), failure);
     if (!failure) acceptor_.bind(endpoint, failure);
     if (!failure) acceptor_.listen(asio::socket_base::max_listen_connections, failure);
-    if (failure) return cannotBind(where, failure);
-    return Done{};
+    if (!failure) return Done{};
+    close();  // an open acceptor owns its socket file
+    return cannotBind(where, failure);
   }
 
   void accept() {

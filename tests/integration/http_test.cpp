@@ -271,6 +271,7 @@ TEST_F(Http, ReplacesASocketFileThatNobodyAnswersOnOnly) {
   second.listen_port = 0;
   second.data_folder.clear();
   EXPECT_FALSE(server::Server::start(second).ok()) << "in use";
+  EXPECT_TRUE(RawSocket::unixDomain(options.unix_path).connected()) << "and left alone";
   server.reset();
   EXPECT_FALSE(std::filesystem::exists(options.unix_path));
 }

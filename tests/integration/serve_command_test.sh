@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# `culld serve` as a process: exit codes, one line of error, signals, scenes across restarts, kill -9.
+# usage: serve_command_test.sh BIN_DIR
+set -euo pipefail
+bin=$1
+work=$(mktemp -d "${TMPDIR:-/tmp}/culld_serve.XXXXXX")
+daemon=''
+clean_up() {
+  [ -z "$daemon" ] || kill -KILL "$daemon" 2>/dev/null || true
+  rm -rf "$work"
+}
+trap clean_up EXIT
+die() {
+  echo "FAILED: $*" >&2
+  [ ! -f "$work/log" ] || cat "$work/log" >&2
+  exit 1
+}
+
+# expect CODE WORDS ARGUMENTS...: culld ends with CODE and says WORDS in one line on stderr.
+expect() {
+  local code=$1 words=$2 got=0
+  shift 2
+  timeout 20 "$bin/culld" "$@" >/dev/null 2>"$work/stderr" || got=$?
+  [ "$got" = "$code" ] || die "culld $*: exit code $got, not $code: $(cat "$work/stderr")"
+  [ "$(grep -c '^culld: ' "$work/stderr")" = 1 ] || die "culld $*: not one line: $(cat "$work/stderr")"
+  grep -q -- "$words" "$work/stderr" || die "culld $*: does not name $words: $(cat "$work/stderr")"
+}
+
+start() {
+  : >"$work/log"
+  "$bin/culld" serve --listen 127.0.0.1:0 --unix "$work/sock" --data "$work/data" "$@" 2>"$work/log" &
+  daemon=$!
+  for _ in $(seq 300); do
+    if grep -q ' ready$' "$work/log"; then return 0; fi
+    kill -0 "$daemon" 2>/dev/null || die "culld serve ended"
+    sleep 0.1
+  done
+  die "not ready after 30 s"
+}
+
+# stop SIGNAL CODE
+stop() {
+  local got=0
+  kill -s "$1" "$daemon"
+  wait "$daemon" || got=$?
+  daemon=''
+  [ "$got" = "$2" ] || die "after SIG$1: exit code $got, not $2"
+}
+
+get() { curl -sS --max-time 20 --unix-socket "$work/sock" "http://localhost$1"; }
+
+expect 2 'subcommand'
+expect 2 '--nonsense' serve --nonsense
+expect 2 'nowhere' serve --listen nowhere
+expect 2 'a/b' serve --listen 127.0.0.1:0 --scene a/b=x.glb
+expect 2 'none.glb' serve --listen 127.0.0.1:0 --scene x="$work/none.glb"
+expect 2 'pentium' serve --listen 127.0.0.1:0 --simd pentium
+expect 69 '203.0.113.1:80' serve --listen 203.0.113.1:80
+expect 74 '/proc/none' serve --listen 127.0.0.1:0 --data /proc/none
+printf 'glTF but no more' >"$work/broken.glb"
+expect 2 'broken.glb' serve --listen 127.0.0.1:0 --scene x="$work/broken.glb"
+
+"$bin/make_scene" random --seed 1 -o "$work/random.glb" >/dev/null
+start --scene fixed="$work/random.glb"
+[ "$(stat -c %a "$work/sock")" = 660 ] || die "the socket's mode is $(stat -c %a "$work/sock")"
+expect 69 'another culld' serve --listen 127.0.0.1:0 --data "$work/data"
+expect 69 "$work/sock" serve --listen 127.0.0.1:0 --unix "$work/sock"
+curl -sS --max-time 60 --unix-socket "$work/sock" -T "$work/random.glb" \
+  http://localhost/v1/scenes/kept >"$work/put" || die "upload"
+grep -q '"name":"kept"' "$work/put" || die "upload: $(cat "$work/put")"
+before=$(get /v1/scenes/kept)
+stop TERM 0
+[ ! -e "$work/sock" ] || die "the socket is still there"
+
+start
+[ "$(get /v1/scenes/kept)" = "$before" ] || die "the scene is not as it was uploaded"
+kill -KILL "$daemon"
+wait "$daemon" 2>/dev/null || true
+[ -S "$work/sock" ] || die "kill -9 leaves the socket file, which the next start must replace"
+
+start
+[ "$(get /v1/scenes/kept)" = "$before" ] || die "the scene did not survive kill -9"
+get /metrics | grep -q '^culld_scenes 1$' || die "metrics"
+stop INT 0
+echo "serve_command: fine"
