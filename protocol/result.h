@@ -1,5 +1,5 @@
-// Result<T> of this room: a value, or an Error that names the input. protocol and culling do not know
-// each other, so each has its own (docs/adr/0004); the server translates.
+// Result<T> of this room: a value, or an Error that names the input. protocol and culling do not
+// know each other, so each has its own (docs/adr/0004); the server translates.
 #pragma once
 #include <string>
 #include <type_traits>
