@@ -184,7 +184,7 @@ Actions Session::culled(CullOutcome outcome) {
   } else {
     view->superseded += job.superseded;
     ++unsent_;
-    actions_.push_back(Send{std::move(outcome.message), {}});
+    actions_.emplace_back(Send{std::move(outcome.message), {}});
   }
   startCull(job.view, *view);
   return take();
@@ -194,7 +194,7 @@ Actions Session::edited(EditDone done) {
   editing_ = false;
   if (closed_) return {};
   ++unsent_;
-  actions_.push_back(Send{std::move(done.message), {}});
+  actions_.emplace_back(Send{std::move(done.message), {}});
   startEdit();
   startCulls();
   return take();
@@ -225,7 +225,7 @@ Actions Session::tick(Time now) {
   now_ = now;
   if (!greeted_ && !closed_ && now - started_ >= limits_.hello_timeout) {
     closed_ = true;
-    actions_.push_back(Close{kClosePolicy, "no Hello in time"});
+    actions_.emplace_back(Close{kClosePolicy, "no Hello in time"});
   }
   return take();
 }
@@ -249,7 +249,7 @@ bool Session::drained() const noexcept {
 
 void Session::reply(std::uint64_t id, protocol::Body body) {
   ++unsent_;
-  actions_.push_back(Send{protocol::encode(Message{id, std::move(body)}), {}});
+  actions_.emplace_back(Send{protocol::encode(Message{id, std::move(body)}), {}});
 }
 
 void Session::fail(std::uint64_t id, WireCode code, std::string message) {
@@ -305,7 +305,7 @@ void Session::startCull(std::uint32_t number, View& view) {
   view.mailbox.reset();
   view.running = true;
   ++jobs_;
-  actions_.push_back(StartCull{std::move(job)});
+  actions_.emplace_back(StartCull{std::move(job)});
 }
 
 void Session::startCulls() {
@@ -315,7 +315,7 @@ void Session::startCulls() {
 void Session::startEdit() {
   if (editing_ || waiting_edits_.empty()) return;
   editing_ = true;
-  actions_.push_back(StartEdit{std::move(waiting_edits_.front())});
+  actions_.emplace_back(StartEdit{std::move(waiting_edits_.front())});
   waiting_edits_.pop_front();
 }
 
