@@ -1,4 +1,4 @@
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2086  # lists of packages are split into words
 # Shared by ./demo and ./check: say what happens, install what is missing. Sourced by bash.
 
 if [ -t 1 ]; then bold=$'\e[1m' green=$'\e[32m' plain=$'\e[0m'; else bold='' green='' plain=''; fi
@@ -18,19 +18,19 @@ step() {
 # missing_packages LIST...: the packages of these files that dpkg does not have.
 missing_packages() {
   local package
-  while read -r package; do
+  cat "$@" | while read -r package; do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
-  done < <(cat "$@")
+  done
 }
 
 # install_missing LIST...: from Debian 12, through apt-get; asks for sudo when not root.
 install_missing() {
   command -v apt-get >/dev/null || { echo "no apt-get here: install by hand what is in $*" >&2; return; }
-  local missing=() as_root=()
-  mapfile -t missing < <(missing_packages "$@")
-  [ "${#missing[@]}" -gt 0 ] || { echo "nothing is missing"; return; }
+  local missing as_root=()
+  missing=$(missing_packages "$@") || return
+  [ -n "$missing" ] || { echo "nothing is missing"; return; }
   [ "$(id -u)" = 0 ] || as_root=(sudo)
-  echo "installing: ${missing[*]}"
+  echo "installing:" $missing
   "${as_root[@]}" apt-get update -q || return
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}"
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
 }
