@@ -36,9 +36,10 @@ struct CullStats {
   std::chrono::nanoseconds time{0};
   std::uint32_t nodes_visited = 0;  ///< hierarchy nodes looked at
   std::uint32_t tested = 0;         ///< objects tested one by one
-  std::uint32_t outside = 0;        ///< objects proven outside the frustum
-  std::uint32_t occluded = 0;       ///< objects proven hidden
-  std::uint32_t in_frustum = 0;     ///< objects not proven outside
+  std::uint32_t outside = 0;   ///< objects proven outside the frustum, as far as they were counted
+  std::uint32_t occluded = 0;  ///< objects proven hidden one by one, not those below a hidden node
+  std::uint32_t in_frustum =
+      0;  ///< objects not proven outside; 0 if the method does not count them
   std::uint32_t occluders_drawn = 0;
   std::uint32_t triangles_drawn = 0;
   std::uint32_t always_kept = 0;  ///< objects without a bound (skins, morphs, non-finite)

@@ -42,6 +42,13 @@ bool solveRows(glm::dvec4 a, glm::dvec4 b, glm::dvec4 c, glm::dvec3 rhs, glm::dv
   return finite(x);
 }
 
+/// Unit length, also where the square of the length would underflow or overflow.
+/// REQUIRES: finite and not zero.
+glm::dvec3 direction(const glm::dvec3& v) {
+  const glm::dvec3 scaled = v / std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  return scaled / glm::length(scaled);
+}
+
 Error bad(const std::string& what) { return invalidInput("camera: " + what); }
 
 Result<void> checkImageAndMotion(ImageSize image, MotionBound motion) {
@@ -60,9 +67,27 @@ Result<void> checkImageAndMotion(ImageSize image, MotionBound motion) {
 
 Result<Camera> finished(Camera camera) {
   if (!finite(camera.origin_world)) return bad("eye is not finite");
-  for (const glm::dvec4* row : {&camera.x_row, &camera.y_row, &camera.z_row, &camera.w_row}) {
+  for (const glm::dvec4* row : {&camera.x_row, &camera.y_row, &camera.z_row, &camera.w_row,
+                                &camera.near_cut_row, &camera.far_cut_row}) {
     if (!finite(*row)) return bad("matrix product is not finite");
   }
+  return camera;
+}
+
+/// w + sign * z on world coordinates, added in the projection, before anything can cancel.
+glm::dvec4 cutRow(const glm::dmat4& view, const glm::dmat4& projection, double sign) {
+  const glm::dmat4 p = glm::transpose(projection);
+  return glm::transpose(view) * (p[3] + sign * p[2]);
+}
+
+/// A client turns its camera about the view's origin; the engine about origin_world, which may be
+/// elsewhere (orthographic, sheared). Turning about another point moves the camera as well.
+Camera aboutItsEye(Camera camera, const glm::dmat4& view) {
+  if (camera.motion.angle_rad == 0.0) return camera;
+  const glm::dvec3 eye(glm::inverse(view)[3]);
+  const double lever = glm::length(camera.origin_world - eye);
+  const double angle = std::min(camera.motion.angle_rad, std::numbers::pi);
+  camera.motion.radius_m += 2.0 * std::sin(angle / 2.0) * lever * (1.0 + 1e-9);
   return camera;
 }
 
@@ -82,15 +107,15 @@ Result<Camera> cameraFromLookAt(const LookAt& look, ImageSize image, MotionBound
     return bad("zfar is not a finite number > znear (null means infinite)");
   }
   const glm::dvec3 ahead = look.target - look.eye;
-  const double distance = glm::length(ahead);
-  if (!(distance > 0.0) || !std::isfinite(distance)) return bad("target equals eye");
-  const glm::dvec3 forward = ahead / distance;
-  const double up_length = glm::length(look.up);
-  if (!(up_length > 0.0) || !std::isfinite(up_length)) return bad("up is zero");
-  const glm::dvec3 side_raw = glm::cross(forward, look.up / up_length);
-  const double side_length = glm::length(side_raw);
-  if (!(side_length > 1e-12)) return bad("up is parallel to the direction of view");
-  const glm::dvec3 side = side_raw / side_length;
+  if (!finite(ahead) || ahead == glm::dvec3(0.0)) return bad("target equals eye");
+  if (look.up == glm::dvec3(0.0)) return bad("up is zero");
+  const glm::dvec3 forward = direction(ahead);
+  const glm::dvec3 rough_side = glm::cross(forward, direction(look.up));
+  if (!(glm::length(rough_side) > 1e-12)) return bad("up is parallel to the direction of view");
+  const glm::dvec3 rough_up = direction(glm::cross(rough_side, forward));
+  // Where up is nearly parallel to the view, the first cross product is mostly rounding; this is
+  // not.
+  const glm::dvec3 side = direction(glm::cross(forward, rough_up));
   const glm::dvec3 up = glm::cross(side, forward);
 
   const double focal = 1.0 / std::tan(look.yfov_rad / 2.0);
@@ -105,6 +130,8 @@ Result<Camera> cameraFromLookAt(const LookAt& look, ImageSize image, MotionBound
   camera.y_row = glm::dvec4(up * focal, 0.0);
   camera.z_row = glm::dvec4(forward * depth_scale, -depth_shift);
   camera.w_row = glm::dvec4(forward, 0.0);
+  camera.near_cut_row = glm::dvec4(forward, -near);
+  camera.far_cut_row = look.zfar_m ? glm::dvec4(-forward, *look.zfar_m) : glm::dvec4(0, 0, 0, 1);
   camera.near_row = {0.0, 0.0, 0.0, 1.0};
   camera.width_px = image.width_px;
   camera.height_px = image.height_px;
@@ -147,9 +174,11 @@ Result<Camera> cameraFromMatrices(const glm::dmat4& view, const glm::dmat4& proj
     camera.y_row = glm::dvec4(glm::dvec3(rows[1]), 0.0);
     camera.w_row = glm::dvec4(glm::dvec3(rows[3]), 0.0);
     camera.z_row = atOrigin(rows[2]);
+    camera.near_cut_row = atOrigin(cutRow(view, projection, 1.0));
+    camera.far_cut_row = atOrigin(cutRow(view, projection, -1.0));
     camera.near_row = {0.0, 0.0, 0.0, 1.0};
     if (scaleOf(camera.z_row) == 0.0 && camera.z_row.w == 0.0) return bad("depth row is zero");
-    return finished(camera);
+    return finished(aboutItsEye(camera, view));
   }
   const double w = projection[3][3];
   if (!(w > 0.0)) return bad("projection matrix is singular: w is not positive");
@@ -163,9 +192,11 @@ Result<Camera> cameraFromMatrices(const glm::dmat4& view, const glm::dmat4& proj
   camera.y_row = atOrigin(rows[1]) / w;
   camera.z_row = atOrigin(rows[2]) / w;
   camera.w_row = {0.0, 0.0, 0.0, 1.0};
+  camera.near_cut_row = atOrigin(cutRow(view, projection, 1.0)) / w;
+  camera.far_cut_row = atOrigin(cutRow(view, projection, -1.0)) / w;
   // 1 at the near plane, 0 at the far plane.
   camera.near_row = (reversed ? 0.5 : -0.5) * camera.z_row + glm::dvec4(0.0, 0.0, 0.0, 0.5);
-  return finished(camera);
+  return finished(aboutItsEye(camera, view));
 }
 
 }  // namespace culld

@@ -29,6 +29,10 @@ struct Camera {
   /// Clip coordinates are rows applied to (p_world - origin_world, 1).
   /// For a perspective camera x_row.w == y_row.w == w_row.w == 0 exactly: the eye is the origin.
   glm::dvec4 x_row{0.0}, y_row{0.0}, z_row{0.0}, w_row{0.0};
+  /// >= 0 where a point is not cut off by the near (z >= -w) and far (z <= w) clip planes. Not
+  /// w_row +- z_row: that difference cancels to rounding dust when far / near is large, and moves
+  /// the plane.
+  glm::dvec4 near_cut_row{0.0}, far_cut_row{0.0};
   /// nearness(p) = dot(near_row, p) / dot(w_row, p): affine over the image on any plane, larger is
   /// nearer to the eye, > 0 inside the frustum. Perspective: 1/w. Orthographic: 1 at near, 0 at
   /// far.

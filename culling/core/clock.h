@@ -14,4 +14,17 @@ class Clock {
 /// The machine's monotonic clock.
 const Clock& steadyClock() noexcept;
 
+/// A moment after which work is cut short. Zero time: never.
+class Deadline {
+ public:
+  Deadline(const Clock& clock, std::chrono::nanoseconds start, std::chrono::nanoseconds time)
+      : clock_(clock), end_(start + time), limited_(time.count() > 0) {}
+  bool passed() const noexcept { return limited_ && clock_.now() >= end_; }
+
+ private:
+  const Clock& clock_;
+  std::chrono::nanoseconds end_;
+  bool limited_;
+};
+
 }  // namespace culld

@@ -10,6 +10,7 @@ namespace {
 // Choices of what to draw: they cost or save time and never change what an answer promises.
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
 constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
+constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertices are transformed
 constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
@@ -95,15 +96,18 @@ bool RasterWalk::worthDrawing(const RasterItem& item) const {
   const std::uint64_t width = item.rect.x1 - item.rect.x0 + 1;
   const std::uint64_t height = item.rect.y1 - item.rect.y0 + 1;
   if (width < kLeastOccluderSide || height < kLeastOccluderSide) return false;
+  const std::uint64_t cells = width * height;
   const Mesh& mesh = scene_.mesh(scene_.instance(item.ref.objectId()).mesh);
+  if (mesh.positions.size() > kVerticesPerCell * cells) return false;
   std::uint64_t triangles = 0;
   for (const Surface& surface : mesh.surfaces) {
     if (surface.blocks) triangles += surface.triangle_count;
   }
-  return triangles != 0 && triangles <= kTrianglesPerCell * width * height;
+  return triangles != 0 && triangles <= kTrianglesPerCell * cells;
 }
 
-void RasterWalk::drawObject(const RasterItem& item) {
+/// False if time ran out on the way.
+bool RasterWalk::drawObject(const RasterItem& item) {
   const Instance& instance = scene_.instance(item.ref.objectId());
   const Mesh& mesh = scene_.mesh(instance.mesh);
   memory_.surfaces.clear();
@@ -114,8 +118,11 @@ void RasterWalk::drawObject(const RasterItem& item) {
   const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
                            memory_.surfaces, instance.world_from_mesh, largest,
                            item.nearest};
-  stats_.triangles_drawn += memory_.sheets.draw(object, view_, origin_world_, memory_.cells);
+  const DrawnSheet drawn =
+      memory_.sheets.draw(object, view_, origin_world_, deadline_, memory_.cells);
+  stats_.triangles_drawn += drawn.triangles;
   ++stats_.occluders_drawn;
+  return !drawn.out_of_time;
 }
 
 void RasterWalk::keepTheRest(Answer& answer) {
@@ -136,22 +143,34 @@ void RasterWalk::run(Answer& answer) {
     push({everything, std::numeric_limits<float>::infinity(), ChildRef::node(WideBvh::kRoot),
           frustum_.planes()});
   }
-  for (std::uint32_t taken = 0; !memory_.queue.empty(); ++taken) {
-    if (taken % kItemsPerLook == 0 && deadline_.passed()) {
-      keepTheRest(answer);
-      answer.stats = stats_;
-      return;
-    }
-    const RasterItem item = pop();
-    if (hidden(item)) {
-      if (item.ref.isObject()) ++stats_.occluded;
-    } else if (item.ref.isNode()) {
-      visitNode(item);
-    } else {
-      memory_.candidates.push_back(item);
-      drawObject(item);
-    }
+  bool in_time = true;
+  for (std::uint32_t taken = 0; in_time && !memory_.queue.empty(); ++taken) {
+    if (taken % kItemsPerLook == 0) in_time = !deadline_.passed();
+    if (in_time) in_time = takeNearest();
   }
+  if (!in_time) {
+    keepTheRest(answer);
+  } else {
+    answerCandidates(answer);
+  }
+  answer.stats = stats_;
+}
+
+bool RasterWalk::takeNearest() {
+  const RasterItem item = pop();
+  if (hidden(item)) {
+    if (item.ref.isObject()) ++stats_.occluded;
+    return true;
+  }
+  if (item.ref.isNode()) {
+    visitNode(item);
+    return true;
+  }
+  memory_.candidates.push_back(item);
+  return drawObject(item);
+}
+
+void RasterWalk::answerCandidates(Answer& answer) {
   for (const RasterItem& item : memory_.candidates) {
     if (hidden(item)) {
       ++stats_.occluded;
@@ -159,7 +178,6 @@ void RasterWalk::run(Answer& answer) {
       answer.visible.push_back(item.ref.objectId());
     }
   }
-  answer.stats = stats_;
 }
 
 }  // namespace culld

@@ -42,9 +42,11 @@ class RasterWalk {
 
  private:
   void visitNode(const RasterItem& item);
+  bool takeNearest();
   void takeObject(const RasterItem& item);
+  void answerCandidates(Answer& answer);
   bool worthDrawing(const RasterItem& item) const;
-  void drawObject(const RasterItem& item);
+  bool drawObject(const RasterItem& item);
   void keepTheRest(Answer& answer);
   void push(const RasterItem& item);
   RasterItem pop();

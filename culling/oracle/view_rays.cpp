@@ -26,7 +26,7 @@ ViewRays::ViewRays(const Camera& camera)
       y_row_(camera.y_row),
       w_row_(camera.w_row),
       near_row_(camera.near_row),
-      depth_planes_{camera.w_row + camera.z_row, camera.w_row - camera.z_row},
+      depth_planes_{camera.near_cut_row, camera.far_cut_row},
       planes_{camera.w_row + camera.x_row,
               camera.w_row - camera.x_row,
               camera.w_row + camera.y_row,

@@ -16,6 +16,7 @@ using Vec = hn::Vec<Lanes>;
 
 // As in box_reference.cpp.
 constexpr float kRelativeError = 0x1p-20F, kAbsoluteError = 1e-36F, kPadCells = 0x1p-10F;
+constexpr float kSubnormal = 0x1p-126F;
 constexpr float kLargest = 3.0e38F;
 
 struct AxisVec {
@@ -36,10 +37,12 @@ HWY_INLINE RowVecs Evaluate(Lanes d, const float* row, const AxisVec* axis) {
       hn::Add(hn::Mul(hn::Abs(r0), axis[0].reach), hn::Mul(hn::Abs(r1), axis[1].reach));
   const Vec far_terms = hn::Add(hn::Mul(hn::Abs(r2), axis[2].reach), hn::Abs(r3));
   const Vec terms = hn::Add(near_terms, far_terms);
+  const Vec reach = hn::Add(hn::Add(axis[0].reach, axis[1].reach), axis[2].reach);
+  const Vec absolute = hn::Add(hn::Mul(reach, hn::Set(d, kSubnormal)), hn::Set(d, kAbsoluteError));
   return {{hn::Mul(r0, axis[0].low), hn::Mul(r0, axis[0].high)},
           {hn::Mul(r1, axis[1].low), hn::Mul(r1, axis[1].high)},
           {hn::Add(hn::Mul(r2, axis[2].low), r3), hn::Add(hn::Mul(r2, axis[2].high), r3)},
-          hn::Add(hn::Mul(terms, hn::Set(d, kRelativeError)), hn::Set(d, kAbsoluteError))};
+          hn::Add(hn::Mul(terms, hn::Set(d, kRelativeError)), absolute)};
 }
 
 struct RangeVec {

@@ -8,10 +8,11 @@
 namespace culld {
 namespace {
 
-constexpr float kRelative = 0x1p-20F;  // 16 float roundings, see docs/error-model.md §5
-constexpr float kAbsolute = 1e-36F;    // keeps underflow inside the margin
-constexpr float kPad = 0x1p-10F;       // cells
-constexpr float kLargest = 3.0e38F;    // beyond it a bound is not to be trusted
+constexpr float kRelative = 0x1p-20F;    // 16 float roundings, see docs/error-model.md §5
+constexpr float kAbsolute = 1e-36F;      // keeps underflow inside the margin
+constexpr float kSubnormal = 0x1p-126F;  // what a coefficient below it may have lost, and more
+constexpr float kPad = 0x1p-10F;         // cells
+constexpr float kLargest = 3.0e38F;      // beyond it a bound is not to be trusted
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct Axis {
@@ -31,7 +32,8 @@ RowBounds evaluate(const std::array<float, 4>& row, const std::array<Axis, 3>& a
   for (std::uint32_t c = 0; c < 8; ++c) out.corner[c] = (x[c & 1] + y[c >> 1 & 1]) + z[c >> 2];
   const float terms = (std::abs(row[0]) * axis[0].reach + std::abs(row[1]) * axis[1].reach) +
                       (std::abs(row[2]) * axis[2].reach + std::abs(row[3]));
-  out.error = terms * kRelative + kAbsolute;
+  const float reach = (axis[0].reach + axis[1].reach) + axis[2].reach;
+  out.error = terms * kRelative + (reach * kSubnormal + kAbsolute);
   return out;
 }
 

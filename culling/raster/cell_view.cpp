@@ -12,7 +12,7 @@ constexpr double kMinLongSide = 256.0, kMaxLongSide = 1280.0;
 
 std::uint32_t cellsFor(std::uint32_t pixels, double scale) {
   const double cells = std::ceil(static_cast<double>(pixels) * scale);
-  return static_cast<std::uint32_t>(std::clamp(cells, 1.0, static_cast<double>(kMaxGridSide)));
+  return static_cast<std::uint32_t>(std::clamp(cells, 1.0, kMaxLongSide));
 }
 
 /// Sign of det(u, v, toward the eye), 0 where rounding could decide it.
@@ -45,8 +45,8 @@ CellView cellView(const Camera& camera, const CellGrid& grid) noexcept {
   view.v = (camera.y_row + camera.w_row) * (0.5 * grid.height);
   view.w = camera.w_row;
   view.n = camera.near_row;
-  view.near_cut = camera.z_row + camera.w_row;
-  view.far_cut = camera.w_row - camera.z_row;
+  view.near_cut = camera.near_cut_row;
+  view.far_cut = camera.far_cut_row;
   view.perspective = camera.perspective;
   if (camera.perspective) {  // w in metres along the axis, whatever the projection's scale
     const double scale = 1.0 / glm::length(glm::dvec3(camera.w_row));

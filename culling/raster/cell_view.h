@@ -9,9 +9,6 @@
 namespace culld {
 
 inline constexpr std::uint32_t kBlockSide = 8;  ///< cells per block and axis: 64 bits of a mask
-/// Longest grid side. Keeps line coefficients of cells within what float masks decide
-/// (docs/error-model.md §4).
-inline constexpr std::uint32_t kMaxGridSide = 2048;
 
 struct CellGrid {
   std::uint32_t width = 0, height = 0;       ///< cells

@@ -10,6 +10,11 @@ constexpr std::uint32_t kNoSlot = 0xFFFFFFFFU;
 constexpr std::uint32_t kGivenUp = 0xFFFFFFFEU;
 constexpr std::uint32_t kNoPartner = 0xFFFFFFFFU;
 
+// Work is counted in blocks; a triangle's or eight vertices' setup costs about as much as one.
+constexpr std::uint32_t kWorkPerLook = 1024;  ///< between two looks at the clock, some 50 us
+constexpr std::uint64_t kMostLayers = 64;     ///< an object that covers the image more often stops
+constexpr std::size_t kVerticesPerSlice = 2048;
+
 /// One row of mesh space -> cells, and the bound on its rounding error over the object.
 struct ObjectRow {
   double x, y, z, constant, error;
@@ -66,9 +71,13 @@ void SheetRasterizer::transform(const SheetObject& object, const CellView& view,
   error_ = {u.error,        v.error,      w.error, view.perspective ? 0.0 : n.error,
             near_cut.error, far_cut.error};
   vertices_.resize(object.positions.size());
-  for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    const glm::dvec3 p(object.positions[i]);
-    vertices_[i] = {at(u, p), at(v, p), at(w, p), at(n, p), at(near_cut, p), at(far_cut, p)};
+  for (std::size_t first = 0; first < vertices_.size(); first += kVerticesPerSlice) {
+    if (!mayGoOn(kVerticesPerSlice / 8)) return;
+    const std::size_t end = std::min(first + kVerticesPerSlice, vertices_.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const glm::dvec3 p(object.positions[i]);
+      vertices_[i] = {at(u, p), at(v, p), at(w, p), at(n, p), at(near_cut, p), at(far_cut, p)};
+    }
   }
 }
 
@@ -76,6 +85,7 @@ void SheetRasterizer::orient(const SheetObject& object, double front_sign) {
   orientation_.assign(object.triangles.size(), 0);
   for (const SheetSurface& surface : object.surfaces) {
     for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
+      if (!mayGoOn(1)) return;
       const std::uint32_t t = surface.first_triangle + i;
       const auto& corner = object.triangles[t];
       const int sign = certainOrientation(vertices_[corner[0]], vertices_[corner[1]],
@@ -86,13 +96,33 @@ void SheetRasterizer::orient(const SheetObject& object, double front_sign) {
   }
 }
 
+/// False once the object or the time is used up: what is drawn of a sheet then proves nothing.
+bool SheetRasterizer::mayGoOn(std::uint32_t work) {
+  if (stopped_) return false;
+  if (work_to_look_ <= work) {
+    work_to_look_ = kWorkPerLook;
+    out_of_time_ = deadline_->passed();
+  } else {
+    work_to_look_ -= work;
+  }
+  stopped_ = out_of_time_ || work_left_ <= work;
+  work_left_ -= std::min<std::uint64_t>(work, work_left_);
+  return !stopped_;
+}
+
+/// Grows before it registers: an exception on the way leaves nothing half done.
+std::uint32_t SheetRasterizer::newSlot(std::uint32_t block) {
+  const auto slot = static_cast<std::uint32_t>(touched_.size());
+  if (blocks_.size() <= slot) blocks_.emplace_back();
+  touched_.push_back(block);
+  return slot;
+}
+
 SheetBlock& SheetRasterizer::sheetBlock(std::uint32_t block) {
   std::uint32_t& slot = slot_of_block_[block];
   if (slot == kGivenUp) return scrap_;
   if (slot == kNoSlot) {
-    slot = static_cast<std::uint32_t>(touched_.size());
-    touched_.push_back(block);
-    if (blocks_.size() <= slot) blocks_.emplace_back();
+    slot = newSlot(block);
     blocks_[slot].clear();
   }
   return blocks_[slot];
@@ -101,14 +131,13 @@ SheetBlock& SheetRasterizer::sheetBlock(std::uint32_t block) {
 /// The sheet can bring nothing more here than the block already has. Leaving a whole block out of a
 /// sheet is sound: every cell is proven by itself.
 void SheetRasterizer::giveUp(std::uint32_t block) {
-  if (slot_of_block_[block] == kNoSlot) touched_.push_back(block);
-  if (touched_.size() > blocks_.size()) blocks_.emplace_back();
+  if (slot_of_block_[block] == kNoSlot) newSlot(block);
   slot_of_block_[block] = kGivenUp;
 }
 
 void SheetRasterizer::fillBlock(std::uint32_t block, float farthest, DepthCells& cells) {
   // The sheet is nowhere nearer than this triangle, which is one of it.
-  cells.setLeastNearness(block, std::max(cells.leastNearness(block), farthest));
+  if (farthest > cells.leastNearness(block)) cells.setLeastNearness(block, farthest);
   giveUp(block);
 }
 
@@ -141,6 +170,7 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
   const TriangleBlocks blocks(projected, net_edges);
   for (std::uint32_t y = projected.cell_y0 / kBlockSide; y <= projected.cell_y1 / kBlockSide; ++y) {
     const BlockSpan span = blocks.span(y);
+    if (!mayGoOn(1 + span.end_touched - std::min(span.first_touched, span.end_touched))) return;
     for (std::uint32_t x = span.first_touched; x < span.first_filled; ++x) {
       drawBlock(blocks, x, y, object.nearest, cells);
     }
@@ -157,36 +187,53 @@ void SheetRasterizer::finish(DepthCells& cells) {
   for (std::size_t slot = 0; slot < touched_.size(); ++slot) {
     const std::uint32_t block = touched_[slot];
     const SheetBlock& sheet = blocks_[slot];
-    const bool given_up = slot_of_block_[block] == kGivenUp;
-    slot_of_block_[block] = kNoSlot;
-    if (given_up && !cells.used(block)) continue;
-    const std::uint64_t covered = given_up ? 0 : sheet.sampled & ~sheet.rim;
+    const bool no_sheet = stopped_ || slot_of_block_[block] == kGivenUp;
+    if (no_sheet && !cells.used(block)) continue;
+    const std::uint64_t covered = no_sheet ? 0 : sheet.sampled & ~sheet.rim;
     const float least = raiseCells(covered, sheet.farthest.data(), cells.cells(block));
     cells.setLeastNearness(block, std::max(cells.leastNearness(block), least));
   }
+  forgetTouched();
+}
+
+void SheetRasterizer::forgetTouched() noexcept {
+  for (const std::uint32_t block : touched_) slot_of_block_[block] = kNoSlot;
   touched_.clear();
 }
 
-std::uint32_t SheetRasterizer::draw(const SheetObject& object, const CellView& view,
-                                    const glm::dvec3& camera_origin_world, DepthCells& cells) {
-  const double front_sign = view.front_sign * handedness(object.world_from_mesh);
-  if (front_sign == 0.0) return 0;  // front and back cannot be told apart: nothing blocks
-  grid_ = {static_cast<double>(view.grid.width), static_cast<double>(view.grid.height)};
-  if (slot_of_block_.size() < view.grid.blocks())
-    slot_of_block_.resize(view.grid.blocks(), kNoSlot);
-  transform(object, view, camera_origin_world);
-  orient(object, front_sign);
+std::uint32_t SheetRasterizer::drawTriangles(const SheetObject& object, DepthCells& cells) {
   std::uint32_t drawn = 0;
   for (const SheetSurface& surface : object.surfaces) {
-    for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
+    for (std::uint32_t i = 0; i < surface.triangle_count && !stopped_; ++i) {
       const std::uint32_t t = surface.first_triangle + i;
       if (orientation_[t] == 0) continue;
       drawTriangle(object, t, cells);
       ++drawn;
     }
   }
-  finish(cells);
   return drawn;
+}
+
+DrawnSheet SheetRasterizer::draw(const SheetObject& object, const CellView& view,
+                                 const glm::dvec3& camera_origin_world, const Deadline& deadline,
+                                 DepthCells& cells) {
+  const double front_sign = view.front_sign * handedness(object.world_from_mesh);
+  if (front_sign == 0.0) return {};  // front and back cannot be told apart: nothing blocks
+  forgetTouched();                   // of a draw that an exception ended
+  grid_ = {static_cast<double>(view.grid.width), static_cast<double>(view.grid.height)};
+  if (slot_of_block_.size() < view.grid.blocks()) {
+    slot_of_block_.resize(view.grid.blocks(), kNoSlot);
+  }
+  deadline_ = &deadline;
+  work_left_ =
+      kMostLayers * view.grid.blocks() + object.positions.size() / 8 + object.triangles.size();
+  work_to_look_ = 0;
+  stopped_ = out_of_time_ = false;
+  transform(object, view, camera_origin_world);
+  if (!stopped_) orient(object, front_sign);
+  const std::uint32_t drawn = drawTriangles(object, cells);
+  finish(cells);
+  return {drawn, out_of_time_};
 }
 
 std::size_t SheetRasterizer::bytes() const noexcept {

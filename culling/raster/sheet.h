@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "culling/core/clock.h"
 #include "culling/raster/cell_view.h"
 #include "culling/raster/coverage_kernels.h"
 #include "culling/raster/depth_cells.h"
@@ -32,25 +33,41 @@ struct SheetObject {
   float nearest;                            ///< no point of it is nearer (see BoxRects)
 };
 
+struct DrawnSheet {
+  std::uint32_t triangles = 0;
+  bool out_of_time = false;
+};
+
 /// Scratch memory, reused from object to object.
 class SheetRasterizer {
  public:
-  /// Raises `cells` wherever the object surely hides what is behind it. Returns triangles drawn.
-  std::uint32_t draw(const SheetObject& object, const CellView& view,
-                     const glm::dvec3& camera_origin_world, DepthCells& cells);
+  /// Raises `cells` wherever the object surely hides what is behind it. Cut short by the deadline,
+  /// or for an object that would cover the image many times over, it raises less, never more.
+  DrawnSheet draw(const SheetObject& object, const CellView& view,
+                  const glm::dvec3& camera_origin_world, const Deadline& deadline,
+                  DepthCells& cells);
   std::size_t bytes() const noexcept;
 
  private:
+  bool mayGoOn(std::uint32_t work);
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
   void orient(const SheetObject& object, double front_sign);
+  std::uint32_t drawTriangles(const SheetObject& object, DepthCells& cells);
   void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
   void drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x, std::uint32_t block_y,
                  float nearest, DepthCells& cells);
   void fillBlock(std::uint32_t block, float farthest, DepthCells& cells);
   void giveUp(std::uint32_t block);
+  std::uint32_t newSlot(std::uint32_t block);
+  void forgetTouched() noexcept;
   SheetBlock& sheetBlock(std::uint32_t block);
   void finish(DepthCells& cells);
 
+  const Deadline* deadline_ = nullptr;  ///< of the draw under way
+  std::uint64_t work_left_ = 0;         ///< blocks, before the object is given up
+  std::uint32_t work_to_look_ = 0;      ///< blocks, before the next look at the clock
+  bool stopped_ = false;
+  bool out_of_time_ = false;
   GridSize grid_{};
   CellVertexError error_;
   std::vector<CellVertex> vertices_;

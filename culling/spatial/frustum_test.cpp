@@ -48,9 +48,12 @@ FrustumTest::FrustumTest(const Camera& camera, const WideBvh& bvh) : eye_(camera
     turn_ = 2.0 * std::sin(std::min(motion.angle_rad, std::numbers::pi) / 2.0) * kUp;
   }
   shift_ = motion.radius_m * kUp;
-  for (const glm::dvec4* row : {&camera.x_row, &camera.y_row, &camera.z_row}) {
+  for (const glm::dvec4* row : {&camera.x_row, &camera.y_row}) {
     add(camera.w_row, *row, 1.0, reach);
     add(camera.w_row, *row, -1.0, reach);
+  }
+  for (const glm::dvec4* cut : {&camera.near_cut_row, &camera.far_cut_row}) {
+    add(glm::dvec4(0.0), *cut, 1.0, reach);
   }
 }
 

@@ -1,7 +1,6 @@
 // Walks a BVH down to the objects that a camera's frustum may hold: the first step of every method
 // that culls with boxes. Hierarchical with plane masking (Assarsson, Moller 2000).
 #pragma once
-#include <chrono>
 #include <cstdint>
 #include <vector>
 
@@ -10,19 +9,6 @@
 #include "culling/spatial/wide_bvh.h"
 
 namespace culld {
-
-/// A moment after which work is cut short. Zero time: never.
-class Deadline {
- public:
-  Deadline(const Clock& clock, std::chrono::nanoseconds start, std::chrono::nanoseconds time)
-      : clock_(clock), end_(start + time), limited_(time.count() > 0) {}
-  bool passed() const noexcept { return limited_ && clock_.now() >= end_; }
-
- private:
-  const Clock& clock_;
-  std::chrono::nanoseconds end_;
-  bool limited_;
-};
 
 struct FrustumWalkStats {
   std::uint32_t nodes_visited = 0;

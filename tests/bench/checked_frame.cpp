@@ -26,8 +26,8 @@ Camera poseWithin(const Camera& camera, std::mt19937_64& random) {
   moved.origin_world += camera.motion.radius_m * randomDirection(random);
   const glm::dmat3 turn(
       glm::rotate(glm::dmat4(1.0), camera.motion.angle_rad, randomDirection(random)));
-  for (glm::dvec4* row :
-       {&moved.x_row, &moved.y_row, &moved.z_row, &moved.w_row, &moved.near_row}) {
+  for (glm::dvec4* row : {&moved.x_row, &moved.y_row, &moved.z_row, &moved.w_row, &moved.near_row,
+                          &moved.near_cut_row, &moved.far_cut_row}) {
     *row = glm::dvec4(turn * glm::dvec3(*row), row->w);
   }
   return moved;

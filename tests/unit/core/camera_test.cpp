@@ -105,9 +105,45 @@ TEST(CameraFromLookAt, PutsNearAndFarPlanesWhereAsked) {
 
 TEST(CameraFromLookAt, HasNoFarPlaneIfNoneIsGiven) {
   const Camera camera = cameraFromLookAt({}, {}).value();
-  const glm::dvec4 far_plane = camera.w_row - camera.z_row;
+  const glm::dvec4 far_plane = camera.far_cut_row;
   EXPECT_EQ(glm::dvec3(far_plane), glm::dvec3(0.0));
   EXPECT_GT(far_plane.w, 0.0);
+}
+
+TEST(CameraFromLookAt, KeepsItsFarPlaneWhereItIsHoweverSmallNearIs) {
+  for (const double ratio : {1e3, 1e9, 1e12, 1e15}) {
+    LookAt look;
+    look.target = {0.3, 0.4, -1.0};
+    look.znear_m = 1e-3;
+    look.zfar_m = 1e-3 * ratio;
+    const Camera camera = cameraFromLookAt(look, {}).value();
+    const glm::dvec3 ahead = glm::normalize(look.target);
+    const auto depthLeft = [&](double share) {
+      return glm::dot(camera.far_cut_row, glm::dvec4(ahead * (share * *look.zfar_m), 1.0));
+    };
+    EXPECT_GT(depthLeft(1.0 - 1e-12), 0.0) << ratio;
+    EXPECT_LT(depthLeft(1.0 + 1e-12), 0.0) << ratio;
+  }
+}
+
+TEST(CameraFromLookAt, LooksAtItsTargetHoweverNearOrNearlyUpItIs) {
+  LookAt look;
+  look.target = {0.0, 1.0, -1e-10};
+  const Camera steep = cameraFromLookAt(look, {}).value();
+  EXPECT_NEAR(clip(steep, look.target).x / clip(steep, look.target).w, 0.0, 1e-13);
+  look.target = {0.0, 3e-170, -3e-162};
+  const Camera close = cameraFromLookAt(look, {}).value();
+  EXPECT_NEAR(glm::length(glm::dvec3(close.w_row)), 1.0, 1e-15);
+}
+
+TEST(CameraFromMatrices, TurnsAboutTheViewsOriginEvenWhereTheEngineDoesNot) {
+  glm::dmat4 projection(1.0);  // orthographic, near 100 m in front of the view's origin, far 300 m
+  projection[2][2] = -0.01;
+  projection[3][2] = -2.0;
+  const Camera camera = cameraFromMatrices(glm::dmat4(1.0), projection, {}, {0.5, 0.01}).value();
+  EXPECT_NEAR(camera.origin_world.z, -100.0, 1e-9);
+  EXPECT_GE(camera.motion.radius_m, 0.5 + 2.0 * std::sin(0.005) * 100.0);
+  EXPECT_LE(camera.motion.radius_m, 0.5 + 1.0 + 1e-6);
 }
 
 TEST(CameraFromLookAt, HasTheEyeAsItsOriginAndNoConstantTerms) {

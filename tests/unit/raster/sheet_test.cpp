@@ -55,22 +55,23 @@ class SheetTest : public ::testing::Test {
     cells_.reset(view_.grid);
   }
 
-  void draw(const HandMesh& mesh, bool double_sided = false, bool mirrored = false,
-            double thickness = 1.0) {
+  DrawnSheet draw(const HandMesh& mesh, bool double_sided = false, bool mirrored = false,
+                  double thickness = 1.0, std::chrono::nanoseconds time_limit = {}) {
     const std::vector<std::uint32_t> partners = mesh.partners();
     const SheetSurface surface{0, static_cast<std::uint32_t>(mesh.triangles.size()), double_sided};
     std::array<double, 12> world{1, 0, 0, 0, 0,         1,
                                  0, 0, 0, 0, thickness, -10.0 * (1.0 - thickness)};
     if (mirrored) world[0] = -1.0;
-    rasterizer_.draw({mesh.positions,
-                      mesh.triangles,
-                      partners,
-                      {&surface, 1},
-                      world,
-                      glm::dvec3(1e4),
+    const Deadline deadline(steadyClock(), {}, time_limit);
+    return rasterizer_.draw({mesh.positions,
+                             mesh.triangles,
+                             partners,
+                             {&surface, 1},
+                             world,
+                             glm::dvec3(1e4),
 
-                      1e30F},
-                     view_, camera_.origin_world, cells_);
+                             1e30F},
+                            view_, camera_.origin_world, deadline, cells_);
   }
 
   std::uint64_t coveredCells() {
@@ -135,6 +136,24 @@ TEST_F(SheetTest, AnObjectFlattenedBeyondTellingItsFrontCoversNothing) {
   wall.quad(-50, -50, 50, 50, -10);
   draw(wall, true, false, 0.0);
   EXPECT_EQ(coveredCells(), 0U);
+}
+
+TEST_F(SheetTest, ASheetCutShortProvesOnlyWhatSingleTrianglesFill) {
+  HandMesh layers;
+  for (int i = 0; i < 1500; ++i)
+    layers.quad(-50, -50, 50, 50, -10.0F - 1e-3F * static_cast<float>(i));
+  const DrawnSheet drawn = draw(layers, true, false, 1.0, std::chrono::nanoseconds(1));
+  EXPECT_TRUE(drawn.out_of_time);
+  EXPECT_EQ(coveredCells(), 0U);
+}
+
+TEST_F(SheetTest, AnObjectOfEndlessLayersIsGivenUpWithoutATimeLimit) {
+  HandMesh layers;
+  for (int i = 0; i < 1500; ++i)
+    layers.quad(-50, -50, 50, 50, -20.0F + 1e-3F * static_cast<float>(i));
+  const DrawnSheet drawn = draw(layers, true);
+  EXPECT_FALSE(drawn.out_of_time);
+  EXPECT_LT(drawn.triangles, layers.triangles.size() / 10);
 }
 
 TEST_F(SheetTest, AGapThinnerThanACellStaysOpen) {

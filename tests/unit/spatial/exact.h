@@ -48,15 +48,18 @@ struct QuadPlane {
 
 inline std::array<QuadPlane, 6> exactPlanes(const Camera& camera) {
   std::array<QuadPlane, 6> planes{};
-  const glm::dvec4* rows[3] = {&camera.x_row, &camera.y_row, &camera.z_row};
-  for (std::size_t i = 0; i < 6; ++i) {
-    const glm::dvec4& row = *rows[i / 2];
-    const Quad sign = i % 2 == 0 ? 1 : -1;
+  const auto set = [](QuadPlane& plane, const glm::dvec4& w, const glm::dvec4& row, Quad sign) {
     for (int a = 0; a < 3; ++a) {
-      planes[i].n[a] = static_cast<Quad>(camera.w_row[a]) + sign * static_cast<Quad>(row[a]);
+      plane.n[a] = static_cast<Quad>(w[a]) + sign * static_cast<Quad>(row[a]);
     }
-    planes[i].d = static_cast<Quad>(camera.w_row.w) + sign * static_cast<Quad>(row.w);
-  }
+    plane.d = static_cast<Quad>(w.w) + sign * static_cast<Quad>(row.w);
+  };
+  set(planes[0], camera.w_row, camera.x_row, 1);
+  set(planes[1], camera.w_row, camera.x_row, -1);
+  set(planes[2], camera.w_row, camera.y_row, 1);
+  set(planes[3], camera.w_row, camera.y_row, -1);
+  set(planes[4], glm::dvec4(0.0), camera.near_cut_row, 1);
+  set(planes[5], glm::dvec4(0.0), camera.far_cut_row, 1);
   return planes;
 }
 

@@ -246,7 +246,8 @@ TEST(FrustumSoundnessSubnormal, CullsNoBoxThatTouchesAPlane) {
 Camera moved(const Camera& camera, const glm::dvec3& axis, double angle, const glm::dvec3& step) {
   Camera pose = camera;
   pose.origin_world += step;
-  for (glm::dvec4* row : {&pose.x_row, &pose.y_row, &pose.z_row, &pose.w_row}) {
+  for (glm::dvec4* row : {&pose.x_row, &pose.y_row, &pose.z_row, &pose.w_row, &pose.near_cut_row,
+                          &pose.far_cut_row}) {
     const glm::dvec3 v(*row);
     const glm::dvec3 turned = v * std::cos(angle) + glm::cross(axis, v) * std::sin(angle) +
                               axis * (glm::dot(axis, v) * (1.0 - std::cos(angle)));
