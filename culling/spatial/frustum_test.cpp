@@ -49,21 +49,21 @@ FrustumTest::FrustumTest(const Camera& camera, const WideBvh& bvh) : eye_(camera
   }
   shift_ = motion.radius_m * kUp;
   for (const glm::dvec4* row : {&camera.x_row, &camera.y_row}) {
-    add(camera.w_row, *row, 1.0, reach);
-    add(camera.w_row, *row, -1.0, reach);
+    const double parts = largest(camera.w_row) + largest(*row);
+    add(camera.w_row + *row, parts, reach);
+    add(camera.w_row - *row, parts, reach);
   }
   for (const glm::dvec4* cut : {&camera.near_cut_row, &camera.far_cut_row}) {
-    add(glm::dvec4(0.0), *cut, 1.0, reach);
+    add(*cut, largest(camera.w_row) + largest(camera.z_row), reach);
   }
 }
 
-void FrustumTest::add(const glm::dvec4& w, const glm::dvec4& row, double sign, double reach) {
-  const glm::dvec4 sum = w + sign * row;
+void FrustumTest::add(const glm::dvec4& sum, double parts, double reach) {
   const double scale = largest(sum);
   // What is left of a far plane at infinity is rounding dust: no direction to trust. No plane culls
   // nothing, which is always right.
   constexpr double kDust = 0x1p-40;
-  if (!(scale > kDust * (largest(w) + largest(row)))) return;
+  if (!(scale > kDust * parts)) return;
   const glm::dvec4 scaled = sum / scale;
   const glm::dvec3 direction(scaled);
   const double length =

@@ -52,7 +52,8 @@ class FrustumTest {
     std::array<float, 3> normal_float;
     double tiny_slack;  ///< what the smallest floats cannot express
   };
-  void add(const glm::dvec4& a, const glm::dvec4& b, double sign, double reach);
+  /// `parts`: size of the rows whose sum this is.
+  void add(const glm::dvec4& sum, double parts, double reach);
 
   std::array<Plane, kMaxPlanes> planes_;
   std::uint32_t count_ = 0;
