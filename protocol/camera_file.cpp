@@ -206,6 +206,8 @@ class CameraReader {
       if (!require({kEye, kTarget, kUp, kYfov, kAspect, kZnear})) return false;
       LookAt pose{vector(kEye),        vector(kTarget),    vector(kUp), values_[kYfov][0],
                   values_[kAspect][0], values_[kZnear][0], {}};
+      field_ = kZfar;
+      if (has_far_ && !(values_[kZfar][0] > 0.0)) return failField(" is not > 0");
       if (has_far_) pose.zfar_m = values_[kZfar][0];
       camera.pose = pose;
     }

@@ -123,6 +123,7 @@ HttpReply aboutScene(std::string_view method, const Route& route, Context& conte
   if (!validSceneName(route.scene)) {
     return errorReply(400, "scene name \"" + route.scene + "\": not [A-Za-z0-9._-]{1,64}");
   }
+  if (method == "DELETE" && !context.ready) return errorReply(503, "loading");
   if (method == "DELETE") return removeScene(route.scene, context);
   const auto scenes = context.store.list();
   const auto at = scenes.find(route.scene);

@@ -68,9 +68,20 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!heavy(method_, route_)) return reply(handleRequest(method_, route_, context_));
     context_.workers.post([self = shared_from_this()]() mutable {
       Context& context = self->context_;
-      auto made = std::make_shared<HttpReply>(handleRequest(self->method_, self->route_, context));
+      auto made = std::make_shared<HttpReply>(
+          guarded([&] { return handleRequest(self->method_, self->route_, context); }));
       context.onIoThread([self = std::move(self), made] { self->reply(std::move(*made)); });
     });
+  }
+
+  /// Out of memory, say: this request fails, the daemon goes on.
+  template <typename Work>
+  static HttpReply guarded(Work&& work) {
+    try {
+      return work();
+    } catch (const std::exception& failure) {
+      return errorReply(500, failure.what());
+    }
   }
 
   /// Bytes that are no request get an answer where one can still be read. (Past a timeout none can:
@@ -78,6 +89,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void refuseBytes(beast::error_code failure) {
     keep_alive_ = false;
     version_ = 11;
+    method_.clear();
     if (failure == http::error::header_limit) return reply(errorReply(431, "header too large"));
     if (failure == http::error::body_limit) return reply(tooLarge());
     if (failure == http::error::partial_message || failure.category() != httpCategory()) {
@@ -105,15 +117,42 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
                                        std::string(protocol::kSubprotocol) +
                                        "\" is not among those offered"));
     }
+    if (request[http::field::sec_websocket_version] != "13") {
+      HttpReply refusal = errorReply(426, "Sec-WebSocket-Version: only 13 is spoken here");
+      refusal.headers.emplace_back("Sec-WebSocket-Version", "13");
+      return reply(std::move(refusal));
+    }
+    if (request[http::field::sec_websocket_key].empty()) {
+      return reply(errorReply(400, "Sec-WebSocket-Key is missing"));
+    }
+    if (header_->chunked() || header_->content_length().value_or(0) != 0) {
+      return reply(errorReply(400, "an upgrade has no body"));
+    }
     if (context_.draining) return reply(errorReply(503, "draining"));
     auto scene = context_.store.find(route_.scene);
     if (scene == nullptr) {
       return reply(errorReply(404, "scene \"" + route_.scene + "\" is not known"));
     }
     std::ostringstream bytes;
-    bytes << request.base() << beast::buffers_to_string(buffer_.data());
+    bytes << handshakeOf(request) << beast::buffers_to_string(buffer_.data());
     stream_.expires_never();
     serveLive(stream_.release_socket(), bytes.str(), std::move(scene), context_);
+  }
+
+  /// Only what the handshake needs: the WebSocket stream reads 1536 bytes of it, cookies are
+  /// longer.
+  static http::request_header<> handshakeOf(const http::request_header<>& request) {
+    http::request_header<> handshake;
+    handshake.method(request.method());
+    handshake.target(request.target());
+    handshake.version(request.version());
+    for (const http::field field :
+         {http::field::host, http::field::connection, http::field::upgrade,
+          http::field::sec_websocket_key, http::field::sec_websocket_version}) {
+      handshake.set(field, request[field]);
+    }
+    handshake.set(http::field::sec_websocket_protocol, protocol::kSubprotocol);
+    return handshake;
   }
 
   // --- upload ------------------------------------------------------------------------------------
@@ -129,6 +168,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const auto length = header_->content_length();
     if (length && *length > context_.limits.max_upload_bytes) return refuseBody(tooLarge());
     if (context_.draining) return refuseBody(errorReply(503, "draining"));
+    if (!context_.ready) return refuseBody(errorReply(503, "loading"));
     auto upload = context_.store.beginUpload();
     if (!upload) return refuseBody(errorReply(upload.error()));
     upload_.emplace(std::move(upload).value());
@@ -189,8 +229,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.expires_never();
     context_.loaders.post([self = shared_from_this()]() mutable {
       Context& context = self->context_;
-      auto made = std::make_shared<HttpReply>(
-          finishPut(self->route_.scene, std::move(*self->upload_), context));
+      auto made = std::make_shared<HttpReply>(guarded(
+          [&] { return finishPut(self->route_.scene, std::move(*self->upload_), context); }));
       context.onIoThread([self = std::move(self), made] {
         self->upload_.reset();
         self->reply(std::move(*made));

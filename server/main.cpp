@@ -36,6 +36,7 @@ CLI::App* addServe(CLI::App& app, Arguments& arguments) {
   serve->add_option("--data", s.data_folder, "Keep uploaded scenes here across restarts");
   serve->add_option("--scene", s.scenes, "NAME=FILE; may be repeated");
   serve->add_option("--threads", s.threads, "For culling; 0: as many as cores")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   serve->add_option("--backend", arguments.backend, "auto or cpu")->capture_default_str();
   serve->add_option("--simd", arguments.simd, "Force a SIMD target: sse4, avx2, avx3")

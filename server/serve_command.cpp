@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -111,6 +112,14 @@ int serveUntilSignal(server::Server& server, const sigset_t& set) {
   return 0;
 }
 
+/// Debian's soft limit of 1024 is below the documented number of connections.
+void raiseDescriptorLimit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 }  // namespace
 
 int runServe(const ServeArguments& arguments) {
@@ -129,6 +138,8 @@ int runServe(const ServeArguments& arguments) {
   options.methods = allMethods();
   if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
 
+  std::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away must not end the daemon
+  raiseDescriptorLimit();
   const sigset_t set = watchedSignals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   auto server = server::Server::start(std::move(options));

@@ -168,7 +168,8 @@ Actions Session::culled(CullOutcome outcome) {
   View* view = find(job.view, job.incarnation);
   if (view == nullptr || closed_) return take();
   view->running = false;
-  view->last_took = outcome.took;
+  // One cheap cull does not make the next one cheap: an expensive one is forgotten slowly.
+  view->last_took = std::max(outcome.took, view->last_took - view->last_took / 16);
   if (job.scene->epoch() != told_epoch_) {
     // The scene was replaced meanwhile. Its newest camera still wants an answer.
     view->superseded += job.superseded + (view->mailbox ? 1U : 0U);
@@ -339,6 +340,7 @@ void Session::forgetFrames() {
   for (auto& [number, view] : views_) {
     view.kept.clear();
     view.acked_frame = 0;
+    view.last_took = {};  // what the new scene costs is not known
     view.memory = std::make_shared<ViewMemory>();
   }
 }

@@ -1,6 +1,7 @@
 #include "server/worker_pool.h"
 
 #include <algorithm>
+#include <exception>
 
 namespace culld::server {
 
@@ -39,7 +40,11 @@ void WorkerPool::run() {
       work = std::move(queue_.front());
       queue_.pop_front();
     }
-    work();
+    try {
+      work();
+    } catch (const std::exception&) {
+      // Work answers for its own failures; what still escapes must not end the daemon.
+    }
   }
 }
 

@@ -34,18 +34,19 @@ int CameraRun::start(const Address& server, const CullArguments& arguments) {
 
 int CameraRun::openView(const Address& server) {
   const CullArguments& a = *arguments_;
-  if (!a.output.empty()) {
-    auto objects = Scenes(server).objects(a.scene);
-    if (!objects) return fail(objects.error());
-    objects_ = std::move(objects).value();
-    writer_.emplace(std::exchange(objects_.names, {}));
-  }
   auto connection = Connection::open(server, a.scene);
   if (!connection) return fail(connection.error());
   connection_ = std::move(connection).value();
   connection_->onSceneChanged([this](const SceneInfo&, bool replaced) {
     if (replaced) replaced_ = true;
   });
+  // Only now: from here on the daemon tells of a scene that is replaced.
+  if (!a.output.empty()) {
+    auto objects = Scenes(server).objects(a.scene);
+    if (!objects) return fail(objects.error());
+    objects_ = std::move(objects).value();
+    writer_.emplace(std::exchange(objects_.names, {}));
+  }
   auto view = connection_->openView(a.method, true);
   if (!view) {
     if (view.error().code == ErrorCode::kUnavailable) return fail(view.error());

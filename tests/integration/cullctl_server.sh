@@ -30,7 +30,8 @@ start_server() {
   daemon=$!
   for _ in $(seq 300); do
     port=$(sed -n 's/.*listening on 127\.0\.0\.1:\([0-9]*\)$/\1/p' "$work/culld.log")
-    if [ -n "$port" ] && [ -S "$work/culld.sock" ]; then
+    # Uploads are refused while it still loads.
+    if [ -n "$port" ] && [ -S "$work/culld.sock" ] && grep -q ' ready$' "$work/culld.log"; then
       tcp=ws://127.0.0.1:$port
       return 0
     fi
