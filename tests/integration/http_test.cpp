@@ -46,6 +46,10 @@ TEST_F(Http, IsNotReadyBeforeScenesAreLoaded) {
   server = std::move(started).value();
   EXPECT_EQ(get("/livez").status, 200);
   EXPECT_EQ(get("/readyz").status, 503);
+  // What is still being loaded would overwrite what an upload brought.
+  const std::string length = " HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n";
+  EXPECT_EQ(raw("PUT /v1/scenes/early" + length).status, 503);
+  EXPECT_EQ(raw("DELETE /v1/scenes/early" + length).status, 503);
   ASSERT_TRUE(server->loadScenes().ok());
   EXPECT_EQ(get("/readyz").status, 200);
 }
@@ -171,6 +175,23 @@ struct BadRequest {
   int status;
 };
 
+const char* const kKey = "dGhlIHNhbXBsZSBub25jZQ==";
+
+std::string upgrade(const std::string& version, const std::string& key,
+                    const std::string& more = "") {
+  return "GET /v1/scenes/row/live HTTP/1.1\r\nHost: x\r\nUpgrade: websocket\r\n"
+         "Connection: Upgrade\r\nSec-WebSocket-Protocol: culld.v1\r\nSec-WebSocket-Version: " +
+         version + "\r\n" + (key.empty() ? key : "Sec-WebSocket-Key: " + key + "\r\n") + more +
+         "\r\n";
+}
+
+TEST_F(Http, UpgradesARequestThatCarriesCookies) {
+  startWithRow();
+  RawSocket s = socket();
+  s.send(upgrade("13", kKey, "Cookie: " + std::string(6000, 'c') + "\r\n"));
+  EXPECT_EQ(s.readUntil("\r\n\r\n").value_or("").substr(0, 12), "HTTP/1.1 101");
+}
+
 TEST_F(Http, AnswersWhatIsNoProperRequest) {
   startWithRow();
   const std::string host = " HTTP/1.1\r\nHost: x\r\n\r\n";
@@ -183,6 +204,9 @@ TEST_F(Http, AnswersWhatIsNoProperRequest) {
       {"method not allowed", "POST /v1/scenes/row" + host, 405},
       {"writing to a probe", "PUT /livez" + host, 405},
       {"live without upgrade", "GET /v1/scenes/row/live" + host, 426},
+      {"another version of WebSocket", upgrade("12", kKey), 426},
+      {"upgrade without a key", upgrade("13", ""), 400},
+      {"upgrade with a body", upgrade("13", kKey, "Content-Length: 5\r\n"), 400},
       {"unknown method", "BREW /livez" + host, 405},
       {"no version", "GET /livez\r\n\r\n", 400},
       {"garbage", "\x16\x03\x01 hello tls \r\n\r\n", 400},

@@ -108,6 +108,7 @@ std::string with(const std::string& from, const std::string& to) {
 TEST(CameraFile, NamesCameraAndFieldOfWhatIsWrong) {
   const std::string m = numbers(16);
   const Wrong table[] = {
+      {list(lookAt() + "," + lookAt("0")), "c.json: camera 1: \"zfar\" is not > 0"},
       {with("1.25", "\"x\""), "c.json: camera 1: \"yfov\" is not a number"},
       {with("1.25", "true"), "c.json: camera 1: \"yfov\" is not a number"},
       {with("1.25", "null"), "c.json: camera 1: \"yfov\" is not a number"},
