@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <string>
 
 namespace culld::protocol {
@@ -191,7 +192,8 @@ Result<IdSet> decodeAddRemove(std::span<const std::uint8_t> payload, std::uint32
   if (!added) return added;
   const std::uint32_t removed_count = in.varint();
   if (in.failed()) return bad("change", "cut short");
-  auto removed = readGaps(in, removed_count, id_limit);
+  // Ids that the scene no longer has may go; below, all removed ones must be in the baseline.
+  auto removed = readGaps(in, removed_count, std::numeric_limits<std::uint32_t>::max());
   if (!removed) return removed;
   if (!in.done()) return bad("change", "bytes left over");
 

@@ -117,6 +117,15 @@ TEST(SetHash, TellsNearSetsApart) {
   EXPECT_EQ(std::adjacent_find(hashes.begin(), hashes.end()), hashes.end());
 }
 
+TEST(IdSet, ChangesMayRemoveIdsThatTheSceneNoLongerHas) {
+  const IdSet before = {1, 5, 4096};
+  const IdSet now = {1, 7};
+  const EncodedSet change = encodeAddRemove(before, now);
+  const auto set = decodeSet(change.encoding, change.payload, 10, before);
+  ASSERT_TRUE(set.ok()) << set.error().message;
+  EXPECT_EQ(set.value(), now);
+}
+
 struct Hostile {
   const char* what;
   Encoding encoding;
