@@ -141,6 +141,12 @@ class CameraReader {
     if (e.id == kNumberOverflow && level_ >= kInCamera && !skipping()) {
       return failField(" is not a finite number");
     }
+    return refuseAt(position);
+  }
+  // NOLINTEND(readability-identifier-naming)
+
+  /// `position`: how many bytes were read, the wrong one among them.
+  bool refuseAt(std::size_t position) {
     const std::string_view before = text_.substr(0, std::min(position, text_.size()));
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 == 0
@@ -148,7 +154,6 @@ class CameraReader {
                                               std::to_string(before.size() - line_start) +
                                               ": not valid JSON");
   }
-  // NOLINTEND(readability-identifier-naming)
 
   Result<std::vector<Camera>> take() && {
     if (!error_.message.empty()) return std::move(error_);
@@ -261,7 +266,11 @@ class CameraReader {
 Result<std::vector<Camera>> parseCameras(std::string_view text, const std::string& name,
                                          ImageSize image) {
   CameraReader reader(text, name, image);
-  nlohmann::json::sax_parse(text.begin(), text.end(), &reader);
+  // The library takes a zero byte for the end of the text; no JSON holds one.
+  const std::string_view read = text.substr(0, text.find('\0'));
+  if (nlohmann::json::sax_parse(read.begin(), read.end(), &reader) && read.size() < text.size()) {
+    reader.refuseAt(read.size() + 1);
+  }
   return std::move(reader).take();
 }
 

@@ -66,6 +66,8 @@ Container openGlb(std::span<const std::byte> file) {
   const Chunk json = nextChunk(file, offset);
   if (json.type != kJsonChunk) fail("chunk at byte 12", "the first chunk is not JSON");
   container.json = asText(json.bytes);
+  // Chunks are padded to four bytes: with spaces says the standard, with zeros say old exporters.
+  for (int i = 0; i < 3 && container.json.ends_with('\0'); ++i) container.json.remove_suffix(1);
   while (offset < file.size()) {
     const Chunk chunk = nextChunk(file, offset);
     if (chunk.type == kJsonChunk) fail("container", "two JSON chunks");

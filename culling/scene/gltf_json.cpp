@@ -172,6 +172,10 @@ JsonDocument::JsonDocument(std::string_view text) : parsed_(std::make_unique<Par
   if (nestingOf(text) > kMaxJsonDepth) {
     fail(ErrorCode::kLimit, "JSON: nested deeper than " + std::to_string(kMaxJsonDepth));
   }
+  // The library takes a zero byte for the end of the text, and would not see what follows it.
+  if (const auto zero = text.find('\0'); zero != text.npos) {
+    fail("JSON", "a zero byte at byte " + std::to_string(zero));
+  }
   try {
     parsed_->json = Json::parse(text);
   } catch (const Json::exception& e) {

@@ -168,6 +168,14 @@ TEST(CameraFile, SaysWhereTextIsNotJson) {
   for (const Wrong& wrong : table) EXPECT_EQ(errorOf(wrong.text), wrong.error) << wrong.text;
 }
 
+TEST(CameraFile, ATextDoesNotEndAtAZeroByte) {
+  const std::string zero(1, '\0');
+  EXPECT_EQ(errorOf("[]" + zero), "c.json: line 1, column 3: not valid JSON");
+  EXPECT_EQ(errorOf("[]\n" + zero + "[{}]"), "c.json: line 2, column 1: not valid JSON");
+  EXPECT_EQ(errorOf("[" + zero + "]"), "c.json: line 1, column 2: not valid JSON");
+  EXPECT_EQ(errorOf("[{\"no" + zero + "te\":1}]"), "c.json: line 1, column 6: not valid JSON");
+}
+
 TEST(CameraFile, RefusesTextMadeToExhaustMemoryOrStack) {
   const std::string open(2'000'000, '[');
   EXPECT_EQ(errorOf(open), "c.json: camera 0: is not an object");
