@@ -76,6 +76,16 @@ void appendNodes(std::string& out, const std::vector<Line>& lines, bool with_see
   if (with_seen) out += ",\"seen\":[" + seen + ']';
 }
 
+/// Of objects, where "seen" is of nodes.
+void appendCounts(std::string& out, const std::vector<Line>& lines) {
+  const auto seen =
+      std::count_if(lines.begin(), lines.end(), [](const Line& line) { return line.seen; });
+  out += ",\"seen_count\":";
+  appendNumber(out, seen);
+  out += ",\"kept_count\":";
+  appendNumber(out, std::ssize(lines) - seen);
+}
+
 }  // namespace
 
 std::string guaranteeName(Guarantee guarantee) {
@@ -148,7 +158,10 @@ Result<void> AnswerWriter::add(const AnswerFrame& frame) {
   frames_ += ",\"missed_px\":";
   appendReal(frames_, frame.missed_px);
   frames_ += std::string(",\"proven\":") + word(frame.proven);
-  frames_ += std::string(",\"out_of_budget\":") + word(frame.out_of_budget) + '}';
+  frames_ += std::string(",\"out_of_budget\":") + word(frame.out_of_budget);
+  frames_ += ",\"guarantee\":\"" + guaranteeName(frame.guarantee) + '"';
+  if (with_seen) appendCounts(frames_, lines);
+  frames_ += '}';
   return Done{};
 }
 

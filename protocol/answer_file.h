@@ -40,6 +40,7 @@ struct AnswerFrame {
   float missed_px = 0.0F;
   bool proven = true;
   bool out_of_budget = false;
+  Guarantee guarantee = Guarantee::kConservative;
 };
 
 class AnswerWriter {

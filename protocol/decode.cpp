@@ -185,6 +185,8 @@ Answer read(Reader& in, const fbs::Answer& m) {
   out.superseded = m.superseded();
   out.seen = copy(m.seen());
   if (m.stats() != nullptr) out.stats = read(*m.stats());
+  out.seen_count = m.seen_count();
+  out.kept_count = m.kept_count();
   if (out.scene_objects > kMaxObjects || out.object_count > out.scene_objects) {
     in.fail(ErrorCode::kLimit, "answer: " + std::to_string(out.object_count) + " objects of " +
                                    std::to_string(out.scene_objects));
@@ -198,6 +200,12 @@ Answer read(Reader& in, const fbs::Answer& m) {
   }
   if (!out.seen.empty() && out.seen.size() != (std::size_t{out.object_count} + 7) / 8) {
     in.fail(ErrorCode::kInvalidInput, "answer: seen does not fit the number of objects");
+  }
+  const std::uint64_t told = std::uint64_t{out.seen_count} + out.kept_count;
+  if (told != 0 && told != out.object_count) {
+    in.fail(ErrorCode::kInvalidInput, "answer: " + std::to_string(told) +
+                                          " objects seen or kept of " +
+                                          std::to_string(out.object_count));
   }
   return out;
 }

@@ -99,12 +99,13 @@ Written write(FlatBufferBuilder& out, const Answer& m) {
   const auto stats =
       fbs::CreateStats(out, s.cull_ns, s.queue_ns, s.nodes_visited, s.tested, s.outside, s.occluded,
                        s.in_frustum, s.always_kept, s.occluders_drawn, s.triangles_drawn);
-  return {fbs::Body::Answer,
-          fbs::CreateAnswer(out, m.view, m.frame, m.baseline, m.scene_version, m.scene_objects,
-                            static_cast<fbs::Encoding>(m.encoding), payload, m.object_count,
-                            m.set_hash, guarantee(m.guarantee), m.missed_px, m.proven,
-                            m.out_of_budget, method, note, m.superseded, seen, stats)
-              .Union()};
+  return {
+      fbs::Body::Answer,
+      fbs::CreateAnswer(out, m.view, m.frame, m.baseline, m.scene_version, m.scene_objects,
+                        static_cast<fbs::Encoding>(m.encoding), payload, m.object_count, m.set_hash,
+                        guarantee(m.guarantee), m.missed_px, m.proven, m.out_of_budget, method,
+                        note, m.superseded, seen, stats, m.seen_count, m.kept_count)
+          .Union()};
 }
 
 Offset<fbs::EditItem> write(FlatBufferBuilder& out, const EditItem& e) {

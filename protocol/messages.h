@@ -167,6 +167,9 @@ struct Answer {
   /// empty.
   std::vector<std::uint8_t> seen;
   Stats stats;
+  /// Of the resulting set: certainly visible, and kept for safety. Both 0: the method does not
+  /// tell.
+  std::uint32_t seen_count = 0, kept_count = 0;
   bool operator==(const Answer&) const = default;
 };
 

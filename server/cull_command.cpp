@@ -18,6 +18,7 @@
 #include "culling/scene/gltf_loader.h"
 #include "protocol/answer_file.h"
 #include "protocol/camera_file.h"
+#include "server/command_line.h"
 #include "server/scene.h"
 #include "server/translate.h"
 
@@ -28,19 +29,12 @@ using server::SceneVersion;
 using server::toEngine;
 using server::toWire;
 
-enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kDisk = 74 };
-
 struct Options {
   std::string scene, cameras, output;
   std::string method = "auto", guarantee = "conservative", backend = "auto", simd = "auto";
   protocol::Demand demand;
   protocol::ImageSize image;
 };
-
-int fail(ExitCode code, const std::string& message) {
-  std::cerr << "culld: " << message << '\n';
-  return code;
-}
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->required();
@@ -151,6 +145,7 @@ protocol::AnswerFrame frameOf(std::size_t camera, const Answer& answer) {
   frame.missed_px = answer.missed_px;
   frame.proven = answer.proven;
   frame.out_of_budget = answer.out_of_budget;
+  frame.guarantee = toWire(answer.guarantee);
   return frame;
 }
 
@@ -209,6 +204,7 @@ int runCull(std::vector<std::string> arguments) {
   Options options;
   CLI::App app("answers a file of cameras on one scene", "culld cull");
   declare(app, options);
+  refuseEmptyText(app);
   std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
   try {
     app.parse(std::move(arguments));
@@ -216,9 +212,7 @@ int runCull(std::vector<std::string> arguments) {
     std::cout << app.help();
     return kFine;
   } catch (const CLI::ParseError& error) {
-    std::string what = error.what();
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    return fail(kUsage, what);
+    return fail(kUsage, error.what());
   }
   return run(options);
 }

@@ -1,7 +1,9 @@
 #include "server/http_api.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "protocol/text.h"
 #include "protocol/version.h"
 #include "server/status_page.h"
 
@@ -113,17 +115,17 @@ HttpReply removeScene(const std::string& name, Context& context) {
   const auto removed = context.store.remove(name);
   if (!removed) return errorReply(removed.error());
   context.onIoThread([&context, scene = removed.value()] {
-    context.metrics.scenesHeld(context.store.list().size());
+    context.metrics.scenesHeld(context.store.names());
     context.goAway(scene.get(), "scene \"" + scene->name() + "\" was removed");
   });
   return {204, "application/json", "", {}};
 }
 
 HttpReply aboutScene(std::string_view method, const Route& route, Context& context) {
-  if (!validSceneName(route.scene)) {
-    return errorReply(400, "scene name \"" + route.scene + "\": not [A-Za-z0-9._-]{1,64}");
+  if (auto refusal = refuseName(route)) return *std::move(refusal);
+  if (method == "DELETE" && !context.ready) {
+    return errorReply(503, "scene \"" + route.scene + "\": the server is still loading scenes");
   }
-  if (method == "DELETE" && !context.ready) return errorReply(503, "loading");
   if (method == "DELETE") return removeScene(route.scene, context);
   const auto scenes = context.store.list();
   const auto at = scenes.find(route.scene);
@@ -146,6 +148,50 @@ HttpReply version(const Context& context) {
           {}};
 }
 
+/// What a proxy asks for as "http://HOST/PATH" is "/PATH" (RFC 9112 section 3.2.2).
+std::string_view pathIn(std::string_view target) {
+  for (const std::string_view scheme : {"http://", "https://"}) {
+    const auto same = [](char a, char b) {
+      return a == (b >= 'A' && b <= 'Z' ? static_cast<char>(b - 'A' + 'a') : b);
+    };
+    if (target.size() <= scheme.size() ||
+        !std::equal(scheme.begin(), scheme.end(), target.begin(), same)) {
+      continue;
+    }
+    const auto end = target.find_first_of("/?", scheme.size());
+    if (end == scheme.size()) return {};  // no host
+    if (end == std::string_view::npos || target[end] == '?') return "/";
+    target.remove_prefix(end);
+    break;
+  }
+  return target.substr(0, target.find('?'));
+}
+
+Route matched(std::string_view path) {
+  if (path == "/") return {Kind::kPage, "", ""};
+  if (path == "/livez") return {Kind::kLivez, "", ""};
+  if (path == "/readyz") return {Kind::kReadyz, "", ""};
+  if (path == "/version") return {Kind::kVersion, "", ""};
+  if (path == "/metrics") return {Kind::kMetrics, "", ""};
+  if (path == "/v1/status") return {Kind::kStatus, "", ""};
+  if (path == kScenesPath) return {Kind::kScenes, "", ""};
+  if (!path.starts_with(kScenesPath) || path[kScenesPath.size()] != '/') return {};
+  const std::string_view rest = path.substr(kScenesPath.size() + 1);
+  const auto slash = rest.find('/');
+  std::string name(rest.substr(0, slash));
+  if (slash == std::string_view::npos) return {Kind::kScene, std::move(name), ""};
+  const std::string_view what = rest.substr(slash + 1);
+  if (what == "live") return {Kind::kLive, std::move(name), ""};
+  if (what == "objects") return {Kind::kObjects, std::move(name), ""};
+  return {};
+}
+
+/// As messages name it: no longer than a line.
+std::string quoted(const Route& route) {
+  constexpr std::size_t kLongest = 200;
+  return "path \"" + route.path.substr(0, kLongest) + "\"";
+}
+
 }  // namespace
 
 std::string sceneJson(const std::string& name, const SceneEntry& entry) {
@@ -153,7 +199,7 @@ std::string sceneJson(const std::string& name, const SceneEntry& entry) {
 }
 
 HttpReply errorReply(unsigned status, const std::string& message) {
-  return {status, "application/json", dump({{"error", message}}), {}};
+  return {status, "application/json", dump({{"error", protocol::oneLine(message)}}), {}};
 }
 
 HttpReply errorReply(const Error& error) {
@@ -174,23 +220,17 @@ HttpReply errorReply(const Error& error) {
 }
 
 Route routeOf(std::string_view target) {
-  const std::string_view path = target.substr(0, target.find('?'));
-  if (path == "/") return {Kind::kPage, ""};
-  if (path == "/livez") return {Kind::kLivez, ""};
-  if (path == "/readyz") return {Kind::kReadyz, ""};
-  if (path == "/version") return {Kind::kVersion, ""};
-  if (path == "/metrics") return {Kind::kMetrics, ""};
-  if (path == "/v1/status") return {Kind::kStatus, ""};
-  if (path == kScenesPath) return {Kind::kScenes, ""};
-  if (!path.starts_with(kScenesPath) || path[kScenesPath.size()] != '/') return {};
-  const std::string_view rest = path.substr(kScenesPath.size() + 1);
-  const auto slash = rest.find('/');
-  std::string name(rest.substr(0, slash));
-  if (slash == std::string_view::npos) return {Kind::kScene, std::move(name)};
-  const std::string_view what = rest.substr(slash + 1);
-  if (what == "live") return {Kind::kLive, std::move(name)};
-  if (what == "objects") return {Kind::kObjects, std::move(name)};
-  return {};
+  const std::string_view path = pathIn(target);
+  Route route = matched(path);
+  route.path = std::string(path);
+  return route;
+}
+
+std::optional<HttpReply> refuseName(const Route& route) {
+  const bool named =
+      route.kind == Kind::kScene || route.kind == Kind::kObjects || route.kind == Kind::kLive;
+  if (!named || validSceneName(route.scene)) return std::nullopt;
+  return errorReply(400, "scene name \"" + route.scene + "\": not [A-Za-z0-9._-]{1,64}");
 }
 
 std::string_view allowedMethods(Kind kind) noexcept {
@@ -202,10 +242,12 @@ bool heavy(std::string_view method, const Route& route) noexcept {
 }
 
 HttpReply handleRequest(std::string_view method, const Route& route, Context& context) {
-  if (route.kind == Kind::kUnknown) return errorReply(404, "no such path");
+  if (route.kind == Kind::kUnknown) return errorReply(404, quoted(route) + " is not known");
   const bool reads = method == "GET" || method == "HEAD";
   if (!reads && !(route.kind == Kind::kScene && method == "DELETE")) {
-    HttpReply reply = errorReply(405, "allowed here: " + std::string(allowedMethods(route.kind)));
+    HttpReply reply =
+        errorReply(405, quoted(route) + ": method " + std::string(method) + ", allowed are " +
+                            std::string(allowedMethods(route.kind)));
     reply.headers.emplace_back("Allow", std::string(allowedMethods(route.kind)));
     return reply;
   }
@@ -231,7 +273,8 @@ HttpReply handleRequest(std::string_view method, const Route& route, Context& co
     case Kind::kUnknown:
       break;
   }
-  HttpReply reply = errorReply(426, "a WebSocket upgrade is due here");
+  if (auto refusal = refuseName(route)) return *std::move(refusal);
+  HttpReply reply = errorReply(426, quoted(route) + ": a WebSocket upgrade is due here");
   reply.headers.emplace_back("Upgrade", "websocket");
   reply.headers.emplace_back("Connection", "Upgrade");
   return reply;
@@ -244,7 +287,7 @@ HttpReply finishPut(const std::string& scene, Upload upload, Context& context) {
   const auto at = scenes.find(scene);
   if (at == scenes.end()) return errorReply(404, "scene \"" + scene + "\" was removed meanwhile");
   context.onIoThread([&context, held = at->second.scene] {
-    context.metrics.scenesHeld(context.store.list().size());
+    context.metrics.scenesHeld(context.store.names());
     context.sceneMoved(held.get());
   });
   return {fresh.value() ? 201U : 200U, "application/json", sceneJson(scene, at->second), {}};

@@ -1,5 +1,6 @@
 // What each path of the HTTP side means, free of sockets: a request in, a reply out.
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -38,10 +39,13 @@ struct Route {
   };
   Kind kind = Kind::kUnknown;
   std::string scene;
+  std::string path;  ///< without scheme, host and query
 };
 
-/// Ignores a query. ERROR: a scene's name that cannot be one is answered later, by handle().
+/// Takes "/path" and "http://host/path" for the same, and ignores a query.
 Route routeOf(std::string_view target);
+/// The refusal of a route that speaks of a scene by a name that cannot be.
+std::optional<HttpReply> refuseName(const Route& route);
 /// "GET, HEAD", ...: what a route allows.
 std::string_view allowedMethods(Route::Kind kind) noexcept;
 

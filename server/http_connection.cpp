@@ -39,6 +39,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void readHeader() {
     busy(false);
+    route_ = {};
     header_.emplace();
     header_->header_limit(context_.limits.max_header_bytes);
     header_->body_limit(context_.limits.max_upload_bytes);
@@ -59,6 +60,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     route_ = routeOf(view(request.target()));
     keep_alive_ = request.keep_alive();
     version_ = request.version();
+    if (version_ >= 11 && request.count(http::field::host) != 1) {  // RFC 9112 section 3.2
+      return refuseBody(errorReply(
+          400,
+          "Host: " + std::to_string(request.count(http::field::host)) + " of them instead of one"));
+    }
     if (route_.kind == Route::Kind::kScene && method_ == "PUT") return beginPut();
     // No other request has a use for a body: what follows the header would be taken for a request.
     if (request.chunked() || request.has_content_length()) keep_alive_ = false;
@@ -90,11 +96,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     keep_alive_ = false;
     version_ = 11;
     method_.clear();
-    if (failure == http::error::header_limit) return reply(errorReply(431, "header too large"));
-    if (failure == http::error::body_limit) return reply(tooLarge());
-    if (failure == http::error::partial_message || failure.category() != httpCategory()) {
-      return close();
+    if (failure == http::error::header_limit) {
+      return reply(errorReply(431, "request header larger than " +
+                                       std::to_string(context_.limits.max_header_bytes) +
+                                       " bytes"));
     }
+    if (failure == http::error::body_limit) return reply(tooLarge());
+    if (failure == http::error::partial_message) {  // the peer may have shut only its own half
+      return reply(errorReply(400, body_ ? inScene("the upload ends before its length")
+                                         : "the request ends within its header"));
+    }
+    if (failure.category() != httpCategory()) return close();
     reply(errorReply(400, "not an HTTP/1.1 request: " + failure.message()));
   }
 
@@ -103,8 +115,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   HttpReply tooLarge() const {
-    return errorReply(
-        413, "upload larger than " + std::to_string(context_.limits.max_upload_bytes) + " bytes");
+    return errorReply(413, inScene("upload larger than " +
+                                   std::to_string(context_.limits.max_upload_bytes) + " bytes"));
+  }
+
+  std::string inScene(const std::string& what) const {
+    return route_.scene.empty() ? what : "scene \"" + route_.scene + "\": " + what;
   }
 
   // --- upgrade -----------------------------------------------------------------------------------
@@ -128,7 +144,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (header_->chunked() || header_->content_length().value_or(0) != 0) {
       return reply(errorReply(400, "an upgrade has no body"));
     }
-    if (context_.draining) return reply(errorReply(503, "draining"));
+    if (auto refusal = refuseName(route_)) return reply(*std::move(refusal));
+    if (context_.draining) return reply(errorReply(503, inScene("the server is draining")));
     auto scene = context_.store.find(route_.scene);
     if (scene == nullptr) {
       return reply(errorReply(404, "scene \"" + route_.scene + "\" is not known"));
@@ -158,17 +175,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   // --- upload ------------------------------------------------------------------------------------
 
   void beginPut() {
-    if (!validSceneName(route_.scene)) {
-      return refuseBody(
-          errorReply(400, "scene name \"" + route_.scene + "\": not [A-Za-z0-9._-]{1,64}"));
-    }
+    if (auto refusal = refuseName(route_)) return refuseBody(*std::move(refusal));
     if (!header_->chunked() && !header_->content_length()) {
-      return refuseBody(errorReply(411, "an upload needs Content-Length or chunks"));
+      return refuseBody(errorReply(411, inScene("an upload needs Content-Length or chunks")));
     }
     const auto length = header_->content_length();
     if (length && *length > context_.limits.max_upload_bytes) return refuseBody(tooLarge());
-    if (context_.draining) return refuseBody(errorReply(503, "draining"));
-    if (!context_.ready) return refuseBody(errorReply(503, "loading"));
+    if (context_.draining) return refuseBody(errorReply(503, inScene("the server is draining")));
+    if (!context_.ready) {
+      return refuseBody(errorReply(503, inScene("the server is still loading scenes")));
+    }
     auto upload = context_.store.beginUpload();
     if (!upload) return refuseBody(errorReply(upload.error()));
     upload_.emplace(std::move(upload).value());
@@ -216,9 +232,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
         std::chrono::duration<double>(context_.limits.body_timeout).count();
     const auto least = static_cast<double>(context_.limits.min_upload_bytes_per_s);
     if (!body_->is_done() && static_cast<double>(upload_->size()) < seconds * least) {
-      return refuseBody(errorReply(408, "upload slower than " +
-                                            std::to_string(context_.limits.min_upload_bytes_per_s) +
-                                            " bytes per second"));
+      return refuseBody(errorReply(
+          408,
+          inScene("upload slower than " + std::to_string(context_.limits.min_upload_bytes_per_s) +
+                  " bytes per second")));
     }
     readPart();
   }

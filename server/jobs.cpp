@@ -1,8 +1,10 @@
 #include "server/jobs.h"
 
+#include <algorithm>
 #include <exception>
 
 #include "protocol/codec.h"
+#include "protocol/text.h"
 #include "server/translate.h"
 
 namespace culld::server {
@@ -11,8 +13,9 @@ namespace {
 using protocol::Message;
 using protocol::WireCode;
 
-std::vector<std::uint8_t> errorMessage(std::uint64_t request_id, WireCode code, std::string what) {
-  return protocol::encode(Message{request_id, protocol::ErrorReply{code, std::move(what)}});
+std::vector<std::uint8_t> errorMessage(std::uint64_t request_id, WireCode code,
+                                       const std::string& what) {
+  return protocol::encode(Message{request_id, protocol::ErrorReply{code, protocol::oneLine(what)}});
 }
 
 std::string place(const CullJob& job) { return "view " + std::to_string(job.view) + ": "; }
@@ -26,8 +29,25 @@ ViewState& stateFor(ViewMemory& memory, const std::shared_ptr<const Culler>& cul
   return memory.state;
 }
 
+AnswerReport reportOn(const CullJob& job, const Method& method, const Answer& answer) {
+  AnswerReport report;
+  report.scene = job.scene_name;
+  report.method = method.info().name;
+  report.guarantee = toWire(answer.guarantee);
+  report.missed_px = answer.missed_px;
+  report.proven = answer.proven;
+  report.out_of_budget = answer.out_of_budget;
+  report.cull = answer.stats.time;
+  report.objects = answer.visible.size();
+  report.in_frustum = answer.stats.in_frustum;
+  report.seen = static_cast<std::size_t>(
+      std::count_if(answer.seen.begin(), answer.seen.end(), [](auto flag) { return flag != 0; }));
+  report.kept = answer.seen.size() - report.seen;
+  return report;
+}
+
 protocol::Answer answerMessage(const CullJob& job, const Method& method, Answer& answer,
-                               std::chrono::nanoseconds queued) {
+                               const AnswerReport& report, std::chrono::nanoseconds queued) {
   protocol::Answer out;
   out.view = job.view;
   out.frame = job.frame;
@@ -48,6 +68,8 @@ protocol::Answer answerMessage(const CullJob& job, const Method& method, Answer&
   out.note = std::move(answer.note);
   out.superseded = job.superseded;
   if (job.want_seen) out.seen = packBits(answer.seen);
+  out.seen_count = static_cast<std::uint32_t>(report.seen);
+  out.kept_count = static_cast<std::uint32_t>(report.kept);
   out.stats = toWire(answer.stats, queued);
   return out;
 }
@@ -55,6 +77,7 @@ protocol::Answer answerMessage(const CullJob& job, const Method& method, Answer&
 void cullInto(CullOutcome& outcome, const Clock& clock) {
   const CullJob& job = outcome.job;
   const auto fail = [&](WireCode code, const std::string& what) {
+    outcome.error = code;
     outcome.message = errorMessage(job.request_id, code, place(job) + what);
   };
   const auto method = job.scene->method(job.method);
@@ -68,10 +91,10 @@ void cullInto(CullOutcome& outcome, const Clock& clock) {
   ViewState& state = stateFor(*job.memory, culler.value());
   const auto queued = clock.now() - job.received;
   Answer answer = culler.value()->cull(job.camera, job.demand, state);
-  outcome.cull = answer.stats.time;
-  outcome.objects = static_cast<std::uint32_t>(answer.visible.size());
-  outcome.message =
-      protocol::encode({job.request_id, answerMessage(job, *method.value(), answer, queued)});
+  outcome.report = reportOn(job, *method.value(), answer);
+  outcome.message = protocol::encode(
+      {job.request_id, answerMessage(job, *method.value(), answer, outcome.report, queued)});
+  outcome.report.bytes = outcome.message.size();
   outcome.visible = std::make_shared<const protocol::IdSet>(std::move(answer.visible));
 }
 
@@ -85,6 +108,7 @@ CullOutcome runCull(CullJob job, const Clock& clock) {
     cullInto(outcome, clock);
   } catch (const std::exception& failure) {
     outcome.visible = nullptr;
+    outcome.error = WireCode::kInternal;
     outcome.message = errorMessage(outcome.job.request_id, WireCode::kInternal,
                                    place(outcome.job) + failure.what());
   }
@@ -93,6 +117,9 @@ CullOutcome runCull(CullJob job, const Clock& clock) {
 }
 
 EditDone runEdit(Scene& scene, const EditJob& job) {
+  const auto fail = [&job](WireCode code, const std::string& what) {
+    return EditDone{errorMessage(job.request_id, code, what), code, false};
+  };
   try {
     const auto edits = toEngine(job.edits);
     const auto edited = scene.edit(edits, job.expected_version);
@@ -100,12 +127,13 @@ EditDone runEdit(Scene& scene, const EditJob& job) {
       const WireCode code = edited.error().code == ErrorCode::kUnavailable
                                 ? WireCode::kConflict
                                 : toWire(edited.error().code, WireCode::kInvalidEdit);
-      return {errorMessage(job.request_id, code, edited.error().message), false};
+      return fail(code, edited.error().message);
     }
     const EditOutcome& done = edited.value();
-    return {protocol::encode({job.request_id, protocol::Edited{done.version, done.added}}), true};
+    return {protocol::encode({job.request_id, protocol::Edited{done.version, done.added}}),
+            WireCode::kNone, true};
   } catch (const std::exception& failure) {
-    return {errorMessage(job.request_id, WireCode::kInternal, failure.what()), false};
+    return fail(WireCode::kInternal, failure.what());
   }
 }
 

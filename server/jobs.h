@@ -10,6 +10,7 @@
 #include "culling/culler.h"
 #include "protocol/id_set.h"
 #include "protocol/messages.h"
+#include "server/metrics.h"
 #include "server/scene.h"
 
 namespace culld::server {
@@ -30,6 +31,7 @@ struct CullJob {
   std::uint32_t baseline_frame = 0;  ///< 0: none
   IdSetPtr baseline;
   std::uint32_t superseded = 0;
+  std::string scene_name;
   SceneVersionPtr scene;
   std::string method;
   bool want_seen = false;
@@ -42,11 +44,11 @@ struct CullJob {
 
 struct CullOutcome {
   CullJob job;
-  std::vector<std::uint8_t> message;  ///< encoded: an Answer or an Error
-  IdSetPtr visible;                   ///< none: it failed
-  std::chrono::nanoseconds took{0};   ///< culling and encoding
-  std::chrono::nanoseconds cull{0};
-  std::uint32_t objects = 0;
+  std::vector<std::uint8_t> message;                     ///< encoded: an Answer or an Error
+  IdSetPtr visible;                                      ///< none: it failed
+  protocol::WireCode error = protocol::WireCode::kNone;  ///< the Error's
+  std::chrono::nanoseconds took{0};                      ///< culling and encoding
+  AnswerReport report;                                   ///< of an Answer
 };
 
 struct EditJob {
@@ -57,6 +59,7 @@ struct EditJob {
 
 struct EditDone {
   std::vector<std::uint8_t> message;  ///< encoded: an Edited or an Error
+  protocol::WireCode error = protocol::WireCode::kNone;
   bool changed = false;
 };
 

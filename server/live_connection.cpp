@@ -132,6 +132,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 
   Actions perform(Action action) {
     if (auto* send = std::get_if<Send>(&action)) {
+      if (send->error != protocol::WireCode::kNone) context_.metrics.refused(send->error);
       outbox_bytes_ += send->bytes.size();
       outbox_.push_back(std::move(*send));
     } else if (auto* cull = std::get_if<StartCull>(&action)) {
@@ -158,11 +159,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
   Actions culled(CullOutcome outcome) {
-    if (outcome.visible) {
-      context_.metrics.answered(outcome.cull, outcome.message.size(), outcome.objects);
-    } else {
-      context_.metrics.failed();
-    }
+    if (outcome.visible) context_.metrics.answered(outcome.report);
     context_.metrics.superseded(outcome.job.superseded);
     return session_.culled(std::move(outcome));
   }

@@ -1,24 +1,17 @@
 // The program culld: reads the command line and hands over to the command.
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <exception>
 #include <string>
 
 #include "culling/core/simd.h"
 #include "server/build_info.h"
+#include "server/command_line.h"
 #include "server/cull_command.h"
 #include "server/methods_command.h"
 #include "server/serve_command.h"
 
 namespace culld {
 namespace {
-
-constexpr int kUsage = 2;
-
-int complain(const std::string& message) {
-  std::fprintf(stderr, "culld: %s\n", message.c_str());
-  return kUsage;
-}
 
 struct Arguments {
   ServeArguments serve;
@@ -55,19 +48,20 @@ int run(int argc, char** argv) {
   cull->set_help_flag();
   CLI::App* methods = app.add_subcommand("methods", "Lists the culling methods");
   methods->add_flag("--json", arguments.json);
+  refuseEmptyText(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& failure) {
     if (failure.get_exit_code() == 0) return app.exit(failure);  // --help, --version
-    return complain(failure.what());
+    return fail(kUsage, failure.what());
   }
   if (cull->parsed()) return runCull(cull->remaining());
   if (!serve->parsed()) return runMethods(arguments.json);
   if (arguments.backend != "auto" && arguments.backend != "cpu") {
-    return complain("--backend " + arguments.backend + ": this build has cpu only");
+    return fail(kUsage, "--backend " + arguments.backend + ": this build has cpu only");
   }
   if (auto forced = forceSimdTarget(arguments.simd); !forced) {
-    return complain(forced.error().message);
+    return fail(kUsage, forced.error().message);
   }
   return runServe(arguments.serve);
 }
@@ -77,9 +71,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return culld::run(argc, argv);
+    return culld::checkStdout(culld::run(argc, argv));
   } catch (const std::exception& failure) {
-    std::fprintf(stderr, "culld: %s\n", failure.what());
-    return 1;
+    return culld::fail(culld::kFailed, failure.what());
   }
 }

@@ -2,21 +2,20 @@
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
-#include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
 #include <atomic>
+
+#include "server/answer_metrics.h"
 
 namespace culld::server {
 namespace {
 
 using prometheus::BuildCounter;
 using prometheus::BuildGauge;
-using prometheus::BuildHistogram;
 using prometheus::Counter;
 using prometheus::Gauge;
-using prometheus::Histogram;
 using prometheus::Registry;
 
 Counter& counter(Registry& registry, const char* name, const char* help) {
@@ -37,24 +36,22 @@ struct Metrics::Impl {
   Gauge& scenes = gauge(registry, "culld_scenes", "Scenes held");
   Counter& refused = counter(registry, "culld_connections_refused_total",
                              "Connections refused because there were too many");
-  Counter& answers = counter(registry, "culld_answers_total", "Answers made");
+  AnswerMetrics answers{registry};
   Counter& answer_bytes = counter(registry, "culld_answer_bytes_total", "Bytes of answers made");
-  Counter& answer_objects = counter(registry, "culld_answer_objects_total", "Objects in answers");
   Counter& superseded =
       counter(registry, "culld_cameras_superseded_total", "Cameras passed over for newer ones");
-  Counter& errors = counter(registry, "culld_errors_total", "Cameras that got an error");
   Counter& edits = counter(registry, "culld_edits_total", "Edit messages applied");
   Counter& received =
       counter(registry, "culld_received_bytes_total", "Bytes of live messages read");
-  Histogram& cull_seconds =
-      BuildHistogram()
-          .Name("culld_cull_duration_seconds")
-          .Help("Time in the culling method for one camera")
-          .Register(registry)
-          .Add({}, Histogram::BucketBoundaries{0.00001, 0.00003, 0.0001, 0.0003, 0.001, 0.003, 0.01,
-                                               0.03, 0.1, 0.3, 1.0});
+  prometheus::Family<Counter>& errors = BuildCounter()
+                                            .Name("culld_errors_total")
+                                            .Help("Error messages sent, by their code")
+                                            .Register(registry);
   prometheus::Family<Counter>& http =
       BuildCounter().Name("culld_http_requests_total").Help("HTTP requests").Register(registry);
+  // Sums over the series above, for totals().
+  std::atomic<std::uint64_t> answers_made{0};
+  std::atomic<std::uint64_t> errors_sent{0};
   std::atomic<std::int64_t> cull_ns{0};
 };
 
@@ -68,19 +65,22 @@ void Metrics::sessionOpened() { impl_->sessions.Increment(); }
 void Metrics::sessionClosed() { impl_->sessions.Decrement(); }
 void Metrics::viewsChanged(std::ptrdiff_t by) { impl_->views.Increment(static_cast<double>(by)); }
 
-void Metrics::answered(std::chrono::nanoseconds cull, std::size_t bytes, std::size_t objects) {
-  impl_->answers.Increment();
-  impl_->answer_bytes.Increment(static_cast<double>(bytes));
-  impl_->answer_objects.Increment(static_cast<double>(objects));
-  impl_->cull_seconds.Observe(std::chrono::duration<double>(cull).count());
-  impl_->cull_ns += cull.count();
+void Metrics::answered(const AnswerReport& report) {
+  impl_->answers.count(report);
+  impl_->answer_bytes.Increment(static_cast<double>(report.bytes));
+  ++impl_->answers_made;
+  impl_->cull_ns += report.cull.count();
 }
 
 void Metrics::superseded(std::size_t cameras) {
   if (cameras > 0) impl_->superseded.Increment(static_cast<double>(cameras));
 }
 
-void Metrics::failed() { impl_->errors.Increment(); }
+void Metrics::refused(protocol::WireCode code) {
+  impl_->errors.Add({{"code", protocol::wireCodeName(code)}}).Increment();
+  ++impl_->errors_sent;
+}
+
 void Metrics::edited() { impl_->edits.Increment(); }
 void Metrics::received(std::size_t bytes) { impl_->received.Increment(static_cast<double>(bytes)); }
 
@@ -92,7 +92,10 @@ void Metrics::httpRequest(std::string_view method, unsigned status) {
       .Increment();
 }
 
-void Metrics::scenesHeld(std::size_t count) { impl_->scenes.Set(static_cast<double>(count)); }
+void Metrics::scenesHeld(const std::set<std::string>& names) {
+  impl_->scenes.Set(static_cast<double>(names.size()));
+  impl_->answers.keepScenes(names);
+}
 
 std::string Metrics::text() const {
   return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
@@ -103,10 +106,10 @@ Metrics::Totals Metrics::totals() const {
   out.connections = impl_->connections.Value();
   out.sessions = impl_->sessions.Value();
   out.views = impl_->views.Value();
-  out.answers = impl_->answers.Value();
+  out.answers = static_cast<double>(impl_->answers_made.load());
   out.answer_bytes = impl_->answer_bytes.Value();
   out.superseded = impl_->superseded.Value();
-  out.errors = impl_->errors.Value();
+  out.errors = static_cast<double>(impl_->errors_sent.load());
   out.edits = impl_->edits.Value();
   out.cull_seconds = static_cast<double>(impl_->cull_ns.load()) * 1e-9;
   return out;

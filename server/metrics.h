@@ -3,10 +3,28 @@
 #include <chrono>
 #include <cstddef>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 
+#include "protocol/messages.h"
+
 namespace culld::server {
+
+/// What an answer was worth and what it took.
+struct AnswerReport {
+  std::string scene;
+  std::string_view method;
+  protocol::Guarantee guarantee = protocol::Guarantee::kConservative;
+  float missed_px = 0.0F;
+  bool proven = true;
+  bool out_of_budget = false;
+  std::chrono::nanoseconds cull{0};
+  std::size_t bytes = 0;
+  std::size_t objects = 0;
+  std::size_t in_frustum = 0;      ///< 0: the method does not count them
+  std::size_t seen = 0, kept = 0;  ///< of `objects`; both 0: the method does not tell
+};
 
 /// THREADS: any.
 class Metrics {
@@ -20,13 +38,14 @@ class Metrics {
   void sessionOpened();
   void sessionClosed();
   void viewsChanged(std::ptrdiff_t by);
-  void answered(std::chrono::nanoseconds cull, std::size_t bytes, std::size_t objects);
+  void answered(const AnswerReport& report);
   void superseded(std::size_t cameras);
-  void failed();  ///< an error message was sent
+  void refused(protocol::WireCode code);  ///< an error message was sent
   void edited();
   void received(std::size_t bytes);
   void httpRequest(std::string_view method, unsigned status);
-  void scenesHeld(std::size_t count);
+  /// The scenes from now on; what was counted about others is dropped.
+  void scenesHeld(const std::set<std::string>& names);
 
   /// Text format 0.0.4.
   std::string text() const;

@@ -116,7 +116,9 @@ Result<void> Upload::append(std::span<const std::byte> bytes) {
 SceneFiles::SceneFiles(fs::path folder, bool temporary)
     : folder_(std::move(folder)), temporary_(temporary) {}
 
-SceneFiles::~SceneFiles() {
+SceneFiles::~SceneFiles() { removeTemporary(); }
+
+void SceneFiles::removeTemporary() noexcept {
   std::error_code ignored;  // a temporary folder that stays harms nobody
   if (temporary_) fs::remove_all(folder_, ignored);
 }

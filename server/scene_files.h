@@ -73,6 +73,8 @@ class SceneFiles {
   /// ERROR: kIo; kUnavailable: another process holds the folder.
   static Result<std::unique_ptr<SceneFiles>> open(const std::filesystem::path& folder);
   ~SceneFiles();
+  /// Removes the temporary folder, if this is one, before the end of life.
+  void removeTemporary() noexcept;
 
   /// Names of all scenes, ascending.
   std::vector<std::string> names() const;

@@ -50,8 +50,9 @@ Result<bool> SceneStore::finishUpload(const std::string& name, Upload upload) {
   if (!snapshot) return snapshot.error();
   const std::lock_guard lock(writers_);
   if (find(name) == nullptr && list().size() >= max_scenes_) {
-    return Error{ErrorCode::kLimit,
-                 "scene \"" + name + "\": more than " + std::to_string(max_scenes_) + " scenes"};
+    // Not the upload's fault: with a scene less it is welcome.
+    return Error{ErrorCode::kUnavailable, "scene \"" + name + "\": " + std::to_string(max_scenes_) +
+                                              " scenes are held, and no more are taken"};
   }
   if (auto kept = files_->commit(upload, name); !kept) return kept.error();
   return serve(name, std::move(snapshot).value(), upload.size());
@@ -89,6 +90,13 @@ std::shared_ptr<Scene> SceneStore::find(const std::string& name) const {
 std::map<std::string, SceneEntry> SceneStore::list() const {
   const std::lock_guard lock(mutex_);
   return scenes_;
+}
+
+std::set<std::string> SceneStore::names() const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> names;
+  for (const auto& [name, entry] : scenes_) names.insert(name);
+  return names;
 }
 
 }  // namespace culld::server

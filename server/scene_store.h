@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,13 +34,17 @@ class SceneStore {
   Result<Upload> beginUpload() { return files_->beginUpload(); }
   /// Loads the upload, then keeps it, then serves it; true if the name is new.
   /// GUARANTEES: after success the scene survives kill -9 and a power cut.
-  /// ERROR: the loader's; kLimit: too many scenes; kIo.
+  /// ERROR: the loader's; kUnavailable: too many scenes; kIo.
   Result<bool> finishUpload(const std::string& name, Upload upload);
   /// The scene that was removed. ERROR: kNotFound, kIo.
   Result<std::shared_ptr<Scene>> remove(const std::string& name);
 
+  /// See SceneFiles.
+  void removeTemporaryFiles() { files_->removeTemporary(); }
+
   std::shared_ptr<Scene> find(const std::string& name) const;
   std::map<std::string, SceneEntry> list() const;
+  std::set<std::string> names() const;
 
  private:
   Result<SnapshotPtr> load(const std::filesystem::path& path, const std::string& name) const;

@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <cstdio>
@@ -13,21 +14,15 @@
 #include <optional>
 #include <thread>
 
+#include "protocol/text.h"
+#include "server/command_line.h"
 #include "server/scene_files.h"
 #include "server/server.h"
 
 namespace culld {
 namespace {
 
-constexpr int kUsage = 2;
-constexpr int kUnavailable = 69;
-constexpr int kIo = 74;
 constexpr int kLoaded = SIGUSR1;  ///< how the loading thread wakes the one that waits for signals
-
-int complain(int code, const std::string& message) {
-  std::fprintf(stderr, "culld: %s\n", message.c_str());
-  return code;
-}
 
 /// "HOST:PORT", "[::1]:PORT".
 Result<void> parseListen(const std::string& text, server::ServerOptions& options) {
@@ -55,6 +50,10 @@ Result<void> parseScenes(const std::vector<std::string>& scenes, server::ServerO
     const std::string name = scene.substr(0, equals);
     if (!server::validSceneName(name)) {
       return invalidInput("--scene " + scene + ": name is not [A-Za-z0-9._-]{1,64}");
+    }
+    const auto same = [&name](const auto& earlier) { return earlier.first == name; };
+    if (std::any_of(options.scene_files.begin(), options.scene_files.end(), same)) {
+      return invalidInput("--scene " + scene + ": the name " + name + " is given twice");
     }
     options.scene_files.emplace_back(name, scene.substr(equals + 1));
   }
@@ -90,6 +89,25 @@ int awaitSignal(const sigset_t& set) {
   return signal;
 }
 
+void drain(server::Server& server, const sigset_t& set) {
+  spdlog::info("draining");
+  std::thread([set] {  // a second signal: at once
+    int signal = kLoaded;
+    while (signal == kLoaded) signal = awaitSignal(set);
+    std::_Exit(128 + signal);
+  })
+      .detach();
+  server.drain();
+  spdlog::info("done");
+}
+
+/// The loader cannot be called off, and may have a minute to go: its thread ends with the process.
+[[noreturn]] void leaveWhileLoading(server::Server& server, const sigset_t& set) {
+  drain(server, set);
+  server.removeTemporaryFiles();
+  std::_Exit(kFine);
+}
+
 /// REQUIRES: the watched signals are blocked in all threads.
 int serveUntilSignal(server::Server& server, const sigset_t& set) {
   Loading loading;
@@ -98,26 +116,44 @@ int serveUntilSignal(server::Server& server, const sigset_t& set) {
     loading.result = server.loadScenes();
     pthread_kill(waiter, kLoaded);
   });
-  if (awaitSignal(set) != kLoaded) std::_Exit(0);  // nothing was promised yet
+  if (awaitSignal(set) != kLoaded) leaveWhileLoading(server, set);
   loader.join();
-  if (!loading.result->ok()) return complain(kUsage, loading.result->error().message);
-  for (const std::string& line : loading.result->value()) spdlog::error("{}", line);
+  if (!loading.result->ok()) return fail(kUsage, loading.result->error().message);
+  for (const std::string& line : loading.result->value()) {
+    spdlog::error("{}", protocol::oneLine(line));
+  }
   spdlog::info("ready");
   while (awaitSignal(set) == kLoaded) {
   }
-  spdlog::info("draining");
-  std::thread([set] { std::_Exit(128 + awaitSignal(set)); }).detach();  // a second signal: at once
-  server.drain();
-  spdlog::info("done");
-  return 0;
+  drain(server, set);
+  return kFine;
 }
 
-/// Debian's soft limit of 1024 is below the documented number of connections.
-void raiseDescriptorLimit() {
+/// Raises the limit of open files, as Debian's soft one of 1024 is below the documented number of
+/// connections, and fits that number to it: were descriptors to run out, connections could not even
+/// be refused. A connection has a socket, and the file of its upload.
+void fitConnectionsToDescriptors(server::ServerLimits& limits) {
+  constexpr rlim_t kReserve = 64;  // scenes being read, listening sockets, the log
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
   limit.rlim_cur = limit.rlim_max;
-  ::setrlimit(RLIMIT_NOFILE, &limit);
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  const rlim_t most = limit.rlim_cur > kReserve + 2 ? (limit.rlim_cur - kReserve) / 2 : rlim_t{1};
+  if (most >= limits.max_connections) return;
+  limits.max_connections = static_cast<std::size_t>(most);
+  spdlog::warn("at most {} connections, as this process may have {} files open", most,
+               limit.rlim_cur);
+}
+
+ExitCode exitCodeOf(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kIo:
+      return kDisk;
+    case ErrorCode::kInvalidInput:
+      return kUsage;
+    default:
+      return kUnavailable;
+  }
 }
 
 }  // namespace
@@ -127,10 +163,10 @@ int runServe(const ServeArguments& arguments) {
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
   server::ServerOptions options;
   if (auto r = parseListen(arguments.listen, options); !r) {
-    return complain(kUsage, r.error().message);
+    return fail(kUsage, r.error().message);
   }
   if (auto r = parseScenes(arguments.scenes, options); !r) {
-    return complain(kUsage, r.error().message);
+    return fail(kUsage, r.error().message);
   }
   options.unix_path = arguments.unix_path;
   options.data_folder = arguments.data_folder;
@@ -139,14 +175,11 @@ int runServe(const ServeArguments& arguments) {
   if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
 
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away must not end the daemon
-  raiseDescriptorLimit();
+  fitConnectionsToDescriptors(options.limits);
   const sigset_t set = watchedSignals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   auto server = server::Server::start(std::move(options));
-  if (!server) {
-    return complain(server.error().code == ErrorCode::kIo ? kIo : kUnavailable,
-                    server.error().message);
-  }
+  if (!server) return fail(exitCodeOf(server.error().code), server.error().message);
   const auto colon = arguments.listen.rfind(':');
   spdlog::info("listening on {}:{}", arguments.listen.substr(0, colon), server.value()->port());
   if (!arguments.unix_path.empty()) spdlog::info("listening on {}", arguments.unix_path);

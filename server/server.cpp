@@ -75,7 +75,7 @@ class Acceptor {
     if (context_.metrics.totals().connections >=
         static_cast<double>(context_.limits.max_connections)) {
       context_.metrics.connectionRefused();
-      return refuse(std::move(socket));
+      return refuse(std::move(socket), context_.limits.max_connections);
     }
     if constexpr (std::is_same_v<Protocol, tcp>) {
       error_code ignored;  // a socket that is gone already fails at its first read
@@ -84,13 +84,16 @@ class Acceptor {
     serveHttp(StreamSocket(std::move(socket)), context_);
   }
 
-  static void refuse(typename Protocol::socket socket) {
-    static constexpr std::string_view kBusy =
+  static void refuse(typename Protocol::socket socket, std::size_t limit) {
+    const std::string body = "{\"error\":\"too many connections: " + std::to_string(limit) +
+                             " are open, and no more are taken\"}\n";
+    const std::string reply =
         "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
-        "Content-Length: 33\r\n\r\n{\"error\":\"too many connections\"}\n";
+        "Content-Type: application/json\r\nContent-Length: " +
+        std::to_string(body.size()) + "\r\n\r\n" + body;
     error_code ignored;  // a courtesy: who is not reading gets a closed socket
     socket.non_blocking(true, ignored);
-    socket.write_some(asio::buffer(kBusy), ignored);
+    socket.write_some(asio::buffer(reply), ignored);
   }
 
   typename Protocol::acceptor acceptor_;
@@ -140,12 +143,14 @@ struct Server::Impl {
     error_code failure;
     const auto address = asio::ip::make_address(options.listen_host, failure);
     const std::string where = options.listen_host + ":" + std::to_string(options.listen_port);
-    if (failure) return cannotBind(where, failure);
+    if (failure) {
+      return invalidInput(where + ": " + options.listen_host + " is not an IP address");
+    }
     if (auto r = tcp_acceptor.listen({address, options.listen_port}, where); !r) return r;
     port = tcp_acceptor.localEndpoint().port();
     if (options.unix_path.empty()) return Done{};
     if (options.unix_path.size() >= sizeof(sockaddr_un::sun_path)) {
-      return Error{ErrorCode::kUnavailable, options.unix_path + ": path too long for a socket"};
+      return invalidInput(options.unix_path + ": path too long for a socket");
     }
     removeStaleSocket(options.unix_path, io);
     const mode_t before = ::umask(0117);  // the socket is for its owner and group from the start
@@ -208,7 +213,7 @@ Result<std::vector<std::string>> Server::loadScenes() {
   for (const auto& [name, path] : impl_->options.scene_files) {
     if (auto added = impl_->store.addFile(name, path); !added) return added.error();
   }
-  impl_->metrics.scenesHeld(impl_->store.list().size());
+  impl_->metrics.scenesHeld(impl_->store.names());
   impl_->context.ready = true;
   return failures;
 }
@@ -225,5 +230,7 @@ void Server::drain() {
   });
   finished.wait();
 }
+
+void Server::removeTemporaryFiles() { impl_->store.removeTemporaryFiles(); }
 
 }  // namespace culld::server

@@ -30,7 +30,8 @@ struct ServerOptions {
 class Server {
  public:
   /// Binds, then loads scenes while it answers already (not ready until all are loaded).
-  /// ERROR: kUnavailable: cannot bind, or the data folder is in use; kIo.
+  /// ERROR: kInvalidInput: not an address to listen on; kUnavailable: cannot bind, or the data
+  /// folder is in use; kIo.
   static Result<std::unique_ptr<Server>> start(ServerOptions options);
   /// Stops at once.
   ~Server();
@@ -42,6 +43,10 @@ class Server {
 
   /// Stops accepting, tells clients, lets work in flight finish (limits.drain_timeout), returns.
   void drain();
+
+  /// For a process that ends without its destructors, because loadScenes() still runs: removes the
+  /// folder that stood in for a data folder. REQUIRES: drain().
+  void removeTemporaryFiles();
 
  private:
   struct Impl;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "protocol/codec.h"
+#include "protocol/text.h"
 #include "protocol/version.h"
 #include "server/translate.h"
 
@@ -124,7 +125,9 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
   if (at == views_.end()) {
     return fail(id, WireCode::kUnknownView, viewName(m.view) + " is not open");
   }
-  if (leaving_) return fail(id, WireCode::kUnavailable, "the server is going away");
+  if (leaving_) {
+    return fail(id, WireCode::kUnavailable, viewName(m.view) + ": the server is going away");
+  }
   const auto camera = toEngine(m.camera);
   if (!camera) {
     return fail(id, WireCode::kInvalidCamera, viewName(m.view) + ": " + camera.error().message);
@@ -141,7 +144,7 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
 }
 
 void Session::handle(std::uint64_t id, protocol::Edit& m) {
-  if (leaving_) return fail(id, WireCode::kUnavailable, "the server is going away");
+  if (leaving_) return fail(id, WireCode::kUnavailable, "edit: the server is going away");
   if (m.edits.empty()) return fail(id, WireCode::kInvalidEdit, "edit: an empty list");
   if (m.edits.size() > limits_.max_edits_per_request) {
     return fail(id, WireCode::kLimitExceeded,
@@ -181,11 +184,11 @@ Actions Session::culled(CullOutcome outcome) {
     view->unsent = true;
     ++unsent_;
     actions_.push_back(
-        Send{std::move(outcome.message), {SendTag::Kind::kAnswer, job.view, job.incarnation}});
+        Send{std::move(outcome.message), {SendTag::Kind::kAnswer, job.view, job.incarnation}, {}});
   } else {
     view->superseded += job.superseded;
     ++unsent_;
-    actions_.emplace_back(Send{std::move(outcome.message), {}});
+    actions_.emplace_back(Send{std::move(outcome.message), {}, outcome.error});
   }
   startCull(job.view, *view);
   return take();
@@ -195,7 +198,7 @@ Actions Session::edited(EditDone done) {
   editing_ = false;
   if (closed_) return {};
   ++unsent_;
-  actions_.emplace_back(Send{std::move(done.message), {}});
+  actions_.emplace_back(Send{std::move(done.message), {}, done.error});
   startEdit();
   startCulls();
   return take();
@@ -250,11 +253,13 @@ bool Session::drained() const noexcept {
 
 void Session::reply(std::uint64_t id, protocol::Body body) {
   ++unsent_;
-  actions_.emplace_back(Send{protocol::encode(Message{id, std::move(body)}), {}});
+  actions_.emplace_back(Send{protocol::encode(Message{id, std::move(body)}), {}, {}});
 }
 
-void Session::fail(std::uint64_t id, WireCode code, std::string message) {
-  reply(id, protocol::ErrorReply{code, std::move(message)});
+void Session::fail(std::uint64_t id, WireCode code, const std::string& message) {
+  ++unsent_;
+  const protocol::ErrorReply refusal{code, protocol::oneLine(message)};
+  actions_.emplace_back(Send{protocol::encode(Message{id, refusal}), {}, code});
 }
 
 Session::View* Session::find(std::uint32_t number, std::uint64_t incarnation) {
@@ -295,6 +300,7 @@ void Session::startCull(std::uint32_t number, View& view) {
     job.baseline = view.kept.front().visible;
   }
   job.superseded = std::exchange(view.superseded, 0);
+  job.scene_name = scene_->name();
   job.scene = std::move(scene);
   job.method = view.method;
   job.want_seen = view.want_seen;
@@ -333,7 +339,8 @@ void Session::noticeScene() {
   actions_.push_back(
       Send{protocol::encode(Message{
                0, protocol::SceneChanged{describe(scene_->name(), *scene->snapshot()), replaced}}),
-           {SendTag::Kind::kNotice, 0, 0}});
+           {SendTag::Kind::kNotice, 0, 0},
+           {}});
 }
 
 void Session::forgetFrames() {

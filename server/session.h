@@ -32,6 +32,7 @@ struct SendTag {
 struct Send {
   std::vector<std::uint8_t> bytes;
   SendTag tag;
+  protocol::WireCode error = protocol::WireCode::kNone;  ///< of an ErrorReply
 };
 struct StartCull {
   CullJob job;
@@ -108,7 +109,7 @@ class Session {
   void dispatch(protocol::Message& message);
 
   void reply(std::uint64_t id, protocol::Body body);
-  void fail(std::uint64_t id, protocol::WireCode code, std::string message);
+  void fail(std::uint64_t id, protocol::WireCode code, const std::string& message);
   void acknowledge(View& view, std::uint32_t frame);
   void keep(View& view, std::uint32_t frame, IdSetPtr visible);
   void startCull(std::uint32_t number, View& view);

@@ -114,6 +114,7 @@ bool CameraRun::record(std::size_t camera, const Frame& frame) {
   answer.missed_px = frame.missed_px;
   answer.proven = frame.proven;
   answer.out_of_budget = frame.out_of_budget;
+  answer.guarantee = frame.guarantee;
   const auto added = writer_->add(answer);
   if (!added) exit_code_ = fail(kFailed, arguments_->cameras + ": " + added.error().message);
   return added.ok();

@@ -2,11 +2,19 @@
 
 #include <iostream>
 
+#include "protocol/text.h"
+
 namespace culld::client {
 
 int fail(ExitCode code, const std::string& message) {
-  std::cerr << "cullctl: " << message << '\n';
+  std::cerr << "cullctl: " << protocol::oneLine(message) << '\n';
   return code;
+}
+
+int checkStdout(int code) {
+  std::cout.flush();
+  const auto written = protocol::flushStdout();
+  return written || code != kFine ? code : fail(kDisk, written.error().message);
 }
 
 int fail(const protocol::Error& error) {

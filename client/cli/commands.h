@@ -16,6 +16,8 @@ enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kUnreachable = 69, kDisk = 7
 int fail(ExitCode code, const std::string& message);
 /// The same with the code that fits.
 int fail(const protocol::Error& error);
+/// `code`, or kDisk after it has said so if something that was printed never reached its reader.
+int checkStdout(int code);
 
 int runPut(const Address& server, const std::string& scene, const std::string& file, bool json);
 int runList(const Address& server, bool json);

@@ -1,11 +1,13 @@
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <vector>
 
 #include "client/cli/camera_run.h"
 #include "client/cli/commands.h"
 #include "client/cli/numbers.h"
+#include "protocol/text.h"
 
 namespace culld::client {
 namespace {
@@ -23,14 +25,28 @@ void printHead(const CameraRun& run) {
   std::printf("%s: %u objects, %llu triangles; method %s, %s\n", scene.name.c_str(), scene.objects,
               static_cast<unsigned long long>(scene.triangles), run.view().method().c_str(),
               protocol::guaranteeName(run.view().guarantee()).c_str());
-  std::printf("%6s %9s %11s %9s %10s %13s %9s\n", "frame", "objects", "in frustum", "answered",
-              "server ms", "round trip ms", "bytes");
+  std::printf("%6s %9s %11s %9s %10s %13s %9s %9s %9s %9s\n", "frame", "objects", "in frustum",
+              "answered", "server ms", "round trip ms", "bytes", "seen", "kept", "missed px");
 }
 
-void printFrame(std::size_t number, std::uint32_t objects, const Measured& m) {
-  std::printf("%6zu %9u %11zu %9zu %10.3f %13.3f %9zu%s\n", number, objects, m.in_frustum,
-              m.answered, m.server_ms, m.round_trip_ms, m.bytes, m.delta ? " (change)" : "");
-  std::fflush(stdout);
+bool tellsSeen(const Frame& frame) { return frame.seen_count + frame.kept_count > 0; }
+
+/// "<=" before a bound, "~" before an estimate.
+std::string missedPx(const Frame& frame) {
+  std::ostringstream text;
+  text << (frame.proven ? "<=" : "~") << frame.missed_px;
+  return text.str();
+}
+
+Result<void> printFrame(std::size_t number, const Frame& frame, const Measured& m) {
+  const bool tells = tellsSeen(frame);
+  const std::string seen = tells ? std::to_string(frame.seen_count) : "-";
+  const std::string kept = tells ? std::to_string(frame.kept_count) : "-";
+  std::printf("%6zu %9u %11zu %9zu %10.3f %13.3f %9zu %9s %9s %9s%s%s\n", number,
+              frame.scene_objects, m.in_frustum, m.answered, m.server_ms, m.round_trip_ms, m.bytes,
+              seen.c_str(), kept.c_str(), missedPx(frame).c_str(), m.delta ? " (change)" : "",
+              frame.out_of_budget ? " (out of time)" : "");
+  return protocol::flushStdout();
 }
 
 template <typename Field>
@@ -54,10 +70,16 @@ void printSummary(const std::vector<Measured>& all) {
 }
 
 json jsonOf(std::size_t camera, const Frame& frame, const Measured& m) {
+  const bool tells = tellsSeen(frame);
   return {{"camera", camera},
           {"objects", frame.scene_objects},
           {"in_frustum", m.in_frustum},
           {"answered", m.answered},
+          {"seen", tells ? json(frame.seen_count) : json()},
+          {"kept", tells ? json(frame.kept_count) : json()},
+          {"missed_px", frame.missed_px},
+          {"proven", frame.proven},
+          {"out_of_budget", frame.out_of_budget},
           {"bytes", m.bytes},
           {"delta", m.delta},
           {"server_seconds", m.server_ms * 1e-3},
@@ -100,7 +122,9 @@ int runFly(const Address& server, const FlyArguments& arguments) {
       const auto in_frustum = run.inFrustum(i);
       if (!in_frustum) return fail(in_frustum.error());
       m.in_frustum = in_frustum.value();
-      printFrame(i, frame->scene_objects, m);
+      if (const auto printed = printFrame(i, *frame, m); !printed) {
+        return fail(kDisk, printed.error().message);
+      }
       if (!arguments.loop) all.push_back(m);
       if (!arguments.json_output.empty()) frames.push_back(jsonOf(i, *frame, m));
     }

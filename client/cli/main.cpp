@@ -1,9 +1,7 @@
 // The program cullctl: reads the command line and hands over to the command.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <exception>
 #include <functional>
-#include <iostream>
 
 #include "client/cli/commands.h"
 
@@ -78,6 +76,15 @@ void addCull(CLI::App& app, Arguments& a, Command& command) {
   fly->callback([&] { command = [&](const Address& at) { return runFly(at, a.fly); }; });
 }
 
+/// An empty name or path is a shell variable that was never set, not a wish.
+void refuseEmptyText(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_expected_max() == 0) continue;  // a flag
+    option->check([](const std::string& text) { return text.empty() ? "is empty" : ""; });
+  }
+  for (CLI::App* command : app.get_subcommands({})) refuseEmptyText(*command);
+}
+
 int run(int argc, char** argv) {
   Arguments arguments;
   Command command;
@@ -90,13 +97,12 @@ int run(int argc, char** argv) {
   addScenes(app, arguments, command);
   addPing(app, arguments, command);
   addCull(app, arguments, command);
+  refuseEmptyText(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
-    std::string what = error.what();
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    return fail(kUsage, what);
+    return fail(kUsage, error.what());
   }
   const auto server = parseAddress(arguments.connect);
   if (!server) return fail(kUsage, "--connect " + server.error().message);
@@ -108,7 +114,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return culld::client::run(argc, argv);
+    return culld::client::checkStdout(culld::client::run(argc, argv));
   } catch (const std::exception& error) {  // out of memory, no threads
     return culld::client::fail(culld::client::kFailed, error.what());
   }

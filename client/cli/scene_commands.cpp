@@ -75,6 +75,7 @@ int runPut(const Address& server, const std::string& scene, const std::string& f
     return Scenes(server).put(
         scene, file, [&bar](std::uint64_t sent, std::uint64_t total) { bar.show(sent, total); });
   }();
+  if (!put && put.error().code == ErrorCode::kLimit) return fail(kUsage, put.error().message);
   if (!put) return fail(put.error());
   printScene(put.value(), as_json);
   return kFine;

@@ -62,6 +62,8 @@ Result<FramePtr> FrameHistory::rebuilt(const protocol::Answer& answer,
   frame->number = answer.frame;
   frame->visible = std::move(ids).value();
   if (!answer.seen.empty()) frame->seen = unpackBits(answer.seen, frame->visible.size());
+  frame->seen_count = answer.seen_count;
+  frame->kept_count = answer.kept_count;
   frame->scene_version = answer.scene_version;
   frame->scene_objects = answer.scene_objects;
   frame->guarantee = answer.guarantee;

@@ -1,7 +1,8 @@
 #include "client/sdk/refusal.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
+
+#include "protocol/text.h"
 
 namespace culld::client {
 namespace {
@@ -14,10 +15,7 @@ std::string wordsOf(const std::string& body) {
   if (!json.is_object()) return {};
   const auto error = json.find("error");
   if (error == json.end() || !error->is_string()) return {};
-  std::string words = error->get<std::string>().substr(0, kLongest);
-  std::replace_if(
-      words.begin(), words.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-  return words;
+  return protocol::oneLine(error->get<std::string>().substr(0, kLongest));
 }
 
 ErrorCode codeOf(unsigned status) {
@@ -38,8 +36,12 @@ ErrorCode codeOf(unsigned status) {
 
 protocol::Error refusal(const Address& address, unsigned status, const std::string& body) {
   const std::string words = wordsOf(body);
-  if (!words.empty()) return {codeOf(status), words};
-  return {codeOf(status), toString(address) + ": HTTP status " + std::to_string(status)};
+  const ErrorCode code = codeOf(status);
+  if (words.empty()) {
+    return {code, toString(address) + ": HTTP status " + std::to_string(status)};
+  }
+  // What a server refuses for its own sake is about the server, not about what was asked for.
+  return {code, code == ErrorCode::kUnavailable ? toString(address) + ": " + words : words};
 }
 
 }  // namespace culld::client

@@ -81,13 +81,19 @@ Result<json> ask(const Address& address, const HttpRequest& request, const HttpT
   return parsed;
 }
 
-Result<SceneDetails> askScene(const Address& address, const HttpRequest& request,
-                              const HttpTimeouts& timeouts) {
-  const auto reply = ask(address, request, timeouts);
+Result<SceneDetails> sceneOf(const Address& address, const Result<json>& reply) {
   if (!reply) return reply.error();
   auto scene = sceneIn(reply.value());
   if (!scene) return unreadable(address);
   return *std::move(scene);
+}
+
+/// What the server says about an upload, with the file in place of the scene's name, which is all
+/// that the server knows it by.
+Error aboutFile(Error refusal, const std::string& name, const std::string& path) {
+  if (refusal.message.rfind(name + ": ", 0) == 0) refusal.message.erase(0, name.size() + 2);
+  refusal.message = path + ": " + refusal.message;
+  return refusal;
 }
 
 }  // namespace
@@ -121,7 +127,7 @@ Result<std::vector<SceneDetails>> Scenes::list() const {
 }
 
 Result<SceneDetails> Scenes::info(const std::string& name) const {
-  return askScene(address_, {"GET", pathOf(name), {}, {}}, timeouts_);
+  return sceneOf(address_, ask(address_, {"GET", pathOf(name), {}, {}}, timeouts_));
 }
 
 Result<Done> Scenes::remove(const std::string& name) const {
@@ -136,7 +142,11 @@ Result<SceneDetails> Scenes::put(const std::string& name, const std::string& pat
   if (std::filesystem::is_directory(path, ignored)) {
     return Error{ErrorCode::kIo, path + ": cannot read: Is a directory"};
   }
-  return askScene(address_, {"PUT", pathOf(name), path, progress}, timeouts_);
+  const auto reply = ask(address_, {"PUT", pathOf(name), path, progress}, timeouts_);
+  const bool refused = !reply && (reply.error().code == ErrorCode::kInvalidInput ||
+                                  reply.error().code == ErrorCode::kLimit);
+  if (refused) return aboutFile(reply.error(), name, path);
+  return sceneOf(address_, reply);
 }
 
 Result<ObjectTable> Scenes::objects(const std::string& name) const {

@@ -35,6 +35,9 @@ echo "[{$camera" >"$work/cut.json"
 echo '{"cameras":[]}' >"$work/object.json"
 echo 'not a scene' >"$work/text.glb"
 head -c 100 "$work/s.glb" >"$work/cut.glb"
+printf '[{%s,"yfov":1}]\0[{}]' "$camera" >"$work/zero.json"
+printf '{"asset":{"version":"2.0"}}\0{' >"$work/zero.gltf"
+printf '{"a":%s' "$(printf '[%.0s' $(seq 300))" >"$work/deep.gltf"  # past a limit of the loader
 methods=$("$culld" methods --json | python3 -c 'import json, sys; print(*(m["name"] for m in json.load(sys.stdin)), sep=", ")')
 
 start_server --scene "s=$work/s.glb"
@@ -54,6 +57,7 @@ done <<'END'
 2|flat.json: camera 0: "width" is not a whole number from 1 to 65536|--cameras flat.json
 2|singular.json: camera 0: view or projection matrix is singular|--cameras singular.json
 2|cut.json: line 2, column 0: not valid JSON|--cameras cut.json
+2|zero.json: line 1, column 93: not valid JSON|--cameras zero.json
 2|object.json: is not a list of cameras|--cameras object.json
 2|absent.json: cannot read: No such file or directory|--cameras absent.json
 2|plain.json: camera 0: image size is zero|--cameras plain.json --width 0
@@ -75,6 +79,8 @@ expect 2 'culld: backend egl-device:1: this build culls on the CPU only' "${loca
 expect 2 'culld: backend vulkan: not one of auto, cpu, egl-device[:n], egl-surfaceless, osmesa' "${local_cull[@]}" --cameras c.json -o a.json --backend vulkan
 expect 2 'culld: absent.glb: file: No such file or directory' "$culld" cull absent.glb --cameras c.json -o a.json
 expect 2 'culld: text.glb: file: is neither GLB nor a JSON object' "$culld" cull text.glb --cameras c.json -o a.json
+expect 2 'culld: zero.gltf: JSON: a zero byte at byte 27' "$culld" cull zero.gltf --cameras c.json -o a.json
+expect 2 'culld: deep.gltf: JSON: nested deeper than 256' "$culld" cull deep.gltf --cameras c.json -o a.json
 expect 2 'culld: SCENE is required' "$culld" cull --cameras c.json -o a.json
 
 expect 2 'cullctl: A subcommand is required' "$cullctl"
@@ -84,11 +90,48 @@ expect 1 'cullctl: scene "nope" is not known' "$cullctl" remove nope --connect "
 expect 1 'cullctl: scene "nope" is not known' "$cullctl" cull nope --cameras c.json -o a.json --connect "$tcp"
 expect 1 'cullctl: scene "nope" is not known' "$cullctl" fly nope --cameras c.json --connect "$unix"
 expect 1 'cullctl: scene "nope" is not known' "$cullctl" ping nope --connect "$unix"
-expect 2 'cullctl: t: file: is neither GLB nor a JSON object' "$cullctl" put t text.glb --connect "$tcp"
+expect 2 'cullctl: text.glb: file: is neither GLB nor a JSON object' "$cullctl" put t text.glb --connect "$tcp"
+expect 2 'cullctl: deep.gltf: JSON: nested deeper than 256' "$cullctl" put t deep.gltf --connect "$tcp"
+expect 2 'cullctl: zero.gltf: JSON: a zero byte at byte 27' "$cullctl" put t zero.gltf --connect "$unix"
 expect 2 'cullctl: absent.glb: cannot read: No such file or directory' "$cullctl" put t absent.glb --connect "$tcp"
 expect 2 'cullctl: .: cannot read: Is a directory' "$cullctl" put t . --connect "$tcp"
 expect 2 'cullctl: --output excludes --loop' "$cullctl" fly s --cameras c.json --loop -o a.json --connect "$tcp"
 expect 2 'cullctl: --count: Value 0 not in range 1 to 1000000' "$cullctl" ping --count 0 --connect "$tcp"
+
+# An empty word is a variable that was not set.
+for option in --method --guarantee --cameras --output; do
+  words=(--cameras c.json -o a.json "$option" '')
+  [ "$option" != --cameras ] || words=(-o a.json --cameras '')
+  [ "$option" != --output ] || words=(--cameras c.json -o '')
+  expect 2 "culld: $option: is empty" "${local_cull[@]}" "${words[@]}"
+  expect 2 "cullctl: $option: is empty" "${remote_cull[@]}" "${words[@]}"
+done
+expect 2 'culld: SCENE: is empty' "$culld" cull '' --cameras c.json -o a.json
+expect 2 'cullctl: NAME: is empty' "$cullctl" info '' --connect "$tcp"
+expect 2 'cullctl: --connect: is empty' "$cullctl" list --connect ''
+
+# Whatever an argument holds, the error is one line.
+expect 2 "culld: method x\\ny: unknown; there are auto, $methods" "${local_cull[@]}" --cameras c.json -o a.json --method $'x\ny'
+expect 2 'cullctl: method "x\ny" is not known' "${remote_cull[@]}" --cameras c.json -o a.json --method $'x\ny'
+expect 2 'culld: no\n\x1b[31mfile: cannot read: No such file or directory' "${local_cull[@]}" --cameras $'no\n\e[31mfile' -o a.json
+expect 2 'cullctl: The following argument was not expected: --a\nb' "$cullctl" list $'--a\nb' --connect "$tcp"
+
+# What cannot be printed is not fine.
+full() {
+  local program=$1 got=0
+  (cd "$work" && "${@:2}") >/dev/full 2>"$work/stderr" || got=$?
+  [ "$got" = 74 ] || die "${*:2} >/dev/full: exit $got instead of 74"
+  [ "$(cat "$work/stderr")" = "$program: stdout: cannot write: No space left on device" ] || die "${*:2} >/dev/full: said $(cat "$work/stderr")"
+  checked=$((checked + 1))
+}
+full culld "$culld" methods
+full culld "$culld" methods --json
+full culld "$culld" --help
+full culld "$culld" cull --help
+for words in list 'list --json' 'info s' 'info s --json' 'put t s.glb' ping 'ping s' 'fly s --cameras c.json' --version; do
+  read -ra words <<<"$words"
+  full cullctl "$cullctl" --connect "$tcp" "${words[@]}"
+done
 
 # A cut file is refused by both, and the server still serves.
 for command in "$culld cull cut.glb --cameras c.json -o a.json" "$cullctl put t cut.glb --connect $tcp"; do

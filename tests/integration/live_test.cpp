@@ -229,6 +229,15 @@ TEST_F(Live, NamesBadInputAndLivesOn) {
   EXPECT_EQ(id, 77U);
 }
 
+TEST_F(Live, ErrorsAreOneLineWhateverTheyName) {
+  startWithRow();
+  LiveClient client = connect();
+  client.send(wire::OpenView{2, "x\ny\x1b[31m", false});
+  const auto reply = client.await<wire::ErrorReply>();
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->message, "view 2: method \"x\\ny\\x1b[31m\" is not known");
+}
+
 TEST_F(Live, NamesAVersionThatIsNotSpokenHere) {
   startWithRow();
   LiveClient client(socket(), "row");
@@ -286,6 +295,8 @@ TEST_F(Live, ClosesOnWhatWebSocketForbids) {
             }),
             1009U)
       << "too long a message";
+  EXPECT_EQ(closeCodeAfter([](LiveClient& c) { c.sendFrame(1, "\xC3\x28"); }), 1007U)
+      << "text that is no UTF-8";
 }
 
 TEST_F(Live, ClosesWithoutHelloInTime) {

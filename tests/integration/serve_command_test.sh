@@ -52,6 +52,14 @@ get() { curl -sS --max-time 20 --unix-socket "$work/sock" "http://localhost$1"; 
 expect 2 'subcommand'
 expect 2 '--nonsense' serve --nonsense
 expect 2 'nowhere' serve --listen nowhere
+expect 2 'foo is not an IP address' serve --listen foo:1
+expect 2 '127.0.0.1:99999: not HOST:PORT' serve --listen 127.0.0.1:99999
+expect 2 'path too long' serve --listen 127.0.0.1:0 --unix "$work/$(printf 'x%.0s' $(seq 200))"
+expect 2 '--listen: is empty' serve --listen ''
+expect 2 '--unix: is empty' serve --unix ''
+expect 2 '--simd: is empty' serve --simd ''
+expect 2 'no\\nwhere' serve --listen $'no\nwhere'
+expect 2 'y=b.glb: the name y is given twice' serve --listen 127.0.0.1:0 --scene y=a.glb --scene x=a.glb --scene y=b.glb
 expect 2 'a/b' serve --listen 127.0.0.1:0 --scene a/b=x.glb
 expect 2 'none.glb' serve --listen 127.0.0.1:0 --scene x="$work/none.glb"
 expect 2 'pentium' serve --listen 127.0.0.1:0 --simd pentium
@@ -82,4 +90,66 @@ start
 [ "$(get /v1/scenes/kept)" = "$before" ] || die "the scene did not survive kill -9"
 get /metrics | grep -q '^culld_scenes 1$' || die "metrics"
 stop INT 0
+
+# A signal while scenes are still being loaded: gone at once, and nothing stays behind.
+"$bin/make_scene" city --objects 20000 --frames 1 -o "$work/large.glb" --cameras "$work/large.json" >/dev/null
+many=()
+for i in $(seq 100); do many+=(--scene "s$i=$work/large.glb"); done
+for signal in TERM INT; do
+  mkdir "$work/tmp"
+  : >"$work/log"
+  TMPDIR=$work/tmp "$bin/culld" serve --listen 127.0.0.1:0 --unix "$work/sock" "${many[@]}" 2>"$work/log" &
+  daemon=$!
+  for _ in $(seq 300); do
+    if grep -q "listening on $work/sock" "$work/log"; then break; fi
+    sleep 0.05
+  done
+  [ -S "$work/sock" ] || die "does not listen while it loads"
+  before=$SECONDS
+  stop "$signal" 0
+  [ $((SECONDS - before)) -le 5 ] || die "SIG$signal while loading: took $((SECONDS - before)) s"
+  ! grep -q ' ready$' "$work/log" || die "was ready before SIG$signal came: the scenes are too small for this test"
+  [ ! -e "$work/sock" ] || die "SIG$signal while loading leaves the socket"
+  rmdir "$work/tmp" || die "SIG$signal while loading leaves $(ls "$work/tmp")"
+done
+
+# Few descriptors: what is too much is refused, not left to wait.
+: >"$work/log"
+(ulimit -n 96 && exec "$bin/culld" serve --listen 127.0.0.1:0 --unix "$work/sock" 2>"$work/log") &
+daemon=$!
+for _ in $(seq 300); do
+  if grep -q ' ready$' "$work/log"; then break; fi
+  sleep 0.1
+done
+grep -q 'at most 16 connections' "$work/log" || die "does not say how many connections it takes"
+python3 - "$work/sock" <<'END' || die "a flood of connections"
+import socket, sys, time
+def ask(path):
+    s = socket.socket(socket.AF_UNIX)
+    s.settimeout(10)
+    s.connect(path)
+    return s
+held = [ask(sys.argv[1]) for _ in range(200)]
+refused = 0
+for s in held:
+    s.settimeout(0.5)
+    try:
+        reply = s.recv(1000)
+    except (socket.timeout, ConnectionResetError):
+        continue
+    assert b" 503 " in reply and b"too many connections: 16 are open" in reply, reply
+    refused += 1
+assert refused == 184, refused
+for s in held:
+    s.close()
+until = time.monotonic() + 10
+while True:
+    s = ask(sys.argv[1])
+    s.sendall(b"GET /livez HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")
+    if b" 200 " in s.recv(1000):
+        break
+    assert time.monotonic() < until, "places do not become free"
+    time.sleep(0.05)
+END
+stop TERM 0
 echo "serve_command: fine"

@@ -32,7 +32,7 @@ AnswerFrame frameOf(std::size_t camera, const std::vector<std::uint32_t>& visibl
 }
 
 constexpr const char* kRest =
-    R"(,"seconds":0.25,"missed_px":0,"proven":true,"out_of_budget":false})";
+    R"(,"seconds":0.25,"missed_px":0,"proven":true,"out_of_budget":false,"guarantee":"conservative"})";
 
 TEST(AnswerFile, ListsNodesNotObjects) {
   AnswerWriter writer({{7, 0}, {5, 0}, {9, 0}});
@@ -50,16 +50,17 @@ TEST(AnswerFile, ListsAnInstancedNodeOnceWithItsInstances) {
       std::string(R"({"camera":2,"visible":[3,5,7],"instances":{"3":[1],"7":[1,2]})") + kRest);
 }
 
-TEST(AnswerFile, MarksANodeSeenWhenOneOfItsInstancesIs) {
+TEST(AnswerFile, MarksANodeSeenWhenOneOfItsInstancesIsAndCountsObjects) {
   AnswerWriter writer({{7, 0}, {7, 1}, {5, 0}});
   const std::vector<std::uint32_t> visible{0, 1, 2};
   const std::vector<std::uint8_t> seen{0, 1, 0};
   AnswerFrame frame = frameOf(0, visible);
   frame.seen = seen;
   ASSERT_TRUE(writer.add(frame).ok());
-  EXPECT_EQ(
-      framesOf(writer),
-      std::string(R"({"camera":0,"visible":[5,7],"seen":[0,1],"instances":{"7":[0,1]})") + kRest);
+  std::string rest = kRest;
+  rest.insert(rest.size() - 1, R"(,"seen_count":1,"kept_count":2)");
+  EXPECT_EQ(framesOf(writer),
+            R"({"camera":0,"visible":[5,7],"seen":[0,1],"instances":{"7":[0,1]})" + rest);
 }
 
 TEST(AnswerFile, WritesOneLineAFrameAndEveryFlag) {
@@ -68,6 +69,7 @@ TEST(AnswerFile, WritesOneLineAFrameAndEveryFlag) {
   first.missed_px = 1.5F;
   first.proven = false;
   first.out_of_budget = true;
+  first.guarantee = Guarantee::kSampled;
   ASSERT_TRUE(writer.add(first).ok());
   AnswerFrame second = frameOf(1, kNone);
   second.seconds = std::numeric_limits<double>::quiet_NaN();
@@ -75,9 +77,9 @@ TEST(AnswerFile, WritesOneLineAFrameAndEveryFlag) {
   ASSERT_TRUE(writer.add(second).ok());
   EXPECT_EQ(
       framesOf(writer),
-      R"({"camera":0,"visible":[],"seconds":0.25,"missed_px":1.5,"proven":false,"out_of_budget":true},)"
+      R"({"camera":0,"visible":[],"seconds":0.25,"missed_px":1.5,"proven":false,"out_of_budget":true,"guarantee":"sampled"},)"
       "\n"
-      R"({"camera":1,"visible":[],"seconds":null,"missed_px":null,"proven":true,"out_of_budget":false})");
+      R"({"camera":1,"visible":[],"seconds":null,"missed_px":null,"proven":true,"out_of_budget":false,"guarantee":"conservative"})");
 }
 
 TEST(AnswerFile, EscapesWhatAMethodNameMightHold) {

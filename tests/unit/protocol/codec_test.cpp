@@ -45,6 +45,8 @@ Answer fullAnswer() {
   a.superseded = 4;
   a.seen = {0xFF, 0x01};
   a.stats = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  a.seen_count = 7;
+  a.kept_count = 2;
   return a;
 }
 
@@ -180,6 +182,9 @@ TEST(Codec, RefusesAnswersThatContradictThemselves) {
   EXPECT_TRUE(refused([](Answer& a) { a.object_count = 1001; }));
   EXPECT_TRUE(refused([](Answer& a) { a.scene_objects = kMaxObjects + 1; }));
   EXPECT_TRUE(refused([](Answer& a) { a.seen.push_back(0); }));
+  EXPECT_FALSE(refused([](Answer& a) { a.seen_count = a.kept_count = 0; })) << "not told";
+  EXPECT_TRUE(refused([](Answer& a) { ++a.kept_count; }));
+  EXPECT_TRUE(refused([](Answer& a) { a.seen_count = 0xFFFFFFFF; }));
 }
 
 TEST(Codec, CutsTextThatNoDecoderWouldTake) {

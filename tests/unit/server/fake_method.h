@@ -29,8 +29,9 @@ class FakeMethod : public Method {
   explicit FakeMethod(std::string name = "fake") : name_(std::move(name)) {}
 
   // Set before use.
-  std::function<void()> on_cull;  ///< called in the middle of each cull
-  std::string refusal;            ///< not empty: no scene is accepted
+  std::function<void()> on_cull;           ///< called in the middle of each cull
+  std::function<void(Answer&)> on_answer;  ///< may change each answer
+  std::string refusal;                     ///< not empty: no scene is accepted
   bool fails_to_prepare = false;
   std::chrono::nanoseconds cull_time{1000};
   // Counted.
@@ -63,6 +64,7 @@ class FakeMethod : public Method {
       answer.seen.assign(answer.visible.size(), 1);
       answer.stats.time = method_.cull_time;
       answer.stats.tested = static_cast<std::uint32_t>(scene_->objectCount());
+      if (method_.on_answer) method_.on_answer(answer);
       return answer;
     }
     Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

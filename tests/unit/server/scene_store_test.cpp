@@ -135,7 +135,7 @@ TEST_F(SceneStoreTest, LimitsTheNumberOfScenes) {
   ASSERT_TRUE(put(*store, "a", glb(1)).ok());
   const auto second = put(*store, "b", glb(1));
   ASSERT_FALSE(second.ok());
-  EXPECT_EQ(second.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
   EXPECT_TRUE(put(*store, "a", glb(2)).ok()) << "replacing is not one more";
 }
 

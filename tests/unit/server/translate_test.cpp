@@ -63,7 +63,14 @@ TEST(Routes, TakePathsApart) {
       {"/v1/scenes/a/b/live", Kind::kUnknown, ""},
       {"/v1/scenesX", Kind::kUnknown, ""},
       {"", Kind::kUnknown, ""},
-      {"http://host/livez", Kind::kUnknown, ""},
+      {"http://host/livez", Kind::kLivez, ""},
+      {"HTTP://host:7420/v1/scenes/city?x=/y", Kind::kScene, "city"},
+      {"https://host/v1/scenes/a/live", Kind::kLive, "a"},
+      {"http://host", Kind::kPage, ""},
+      {"http://host?x=1", Kind::kPage, ""},
+      {"http://", Kind::kUnknown, ""},
+      {"http:///livez", Kind::kUnknown, ""},
+      {"ftp://host/livez", Kind::kUnknown, ""},
       {"*", Kind::kUnknown, ""}};
   for (const auto& [target, kind, scene] : table) {
     const Route route = routeOf(target);

@@ -31,6 +31,8 @@ struct Frame {
   std::uint32_t number = 0;            ///< of this view, ascending
   std::vector<std::uint32_t> visible;  ///< object ids, ascending, unique
   std::vector<std::uint8_t> seen;      ///< per visible object 1: certainly visible; may be empty
+  std::uint32_t seen_count = 0;        ///< of `visible`: certainly visible
+  std::uint32_t kept_count = 0;        ///< kept for safety; both counts 0: the method does not tell
   std::uint64_t scene_version = 0;
   std::uint32_t scene_objects = 0;
   Guarantee guarantee = Guarantee::kConservative;

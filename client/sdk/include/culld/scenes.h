@@ -59,7 +59,8 @@ class Scenes {
   Result<Done> remove(const std::string& name) const;
 
   using Progress = std::function<void(std::uint64_t sent, std::uint64_t total)>;
-  /// Uploads a .glb; a scene of that name is replaced.
+  /// Uploads a .glb; a scene of that name is replaced. ERROR: kInvalidInput, kLimit: `path` and
+  /// what the server finds wrong with it.
   Result<SceneDetails> put(const std::string& name, const std::string& path,
                            const Progress& progress = {}) const;
 

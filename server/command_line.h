@@ -1,0 +1,25 @@
+// What the commands of culld have in common: exit codes, one line of error, the checks of arguments
+// and of stdout that each of them needs.
+#pragma once
+#include <string_view>
+
+namespace CLI {
+class App;
+}
+
+namespace culld {
+
+/// docs/clients.md "Exit codes".
+enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kUnavailable = 69, kDisk = 74 };
+
+/// Says what is wrong, in one line on stderr that begins with the program's name. Returns `code`.
+int fail(ExitCode code, std::string_view message);
+
+/// From now on an option of `app` or its subcommands that is given as "" is a usage error: an empty
+/// name or path is a shell variable that was never set, not a wish.
+void refuseEmptyText(CLI::App& app);
+
+/// `code`, or kDisk after it has said so if something that was printed never reached its reader.
+int checkStdout(int code);
+
+}  // namespace culld
