@@ -65,10 +65,10 @@ std::optional<Ray> aimAt(const RayView& view, const RayView::Placed& placed, std
       weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
   const auto aimed = view.rays().at(placed.world_from_mesh * in_mesh + placed.centre);
   if (!aimed) return std::nullopt;
-  if (!mesh.surfaceOf(index).double_sided) {
+  if (!mesh.surfaceOf(index).double_sided && mesh.front() != Front::kUnknown) {
     const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
     const bool front = glm::dot(normal, placed.mesh_from_world * aimed->ray.direction) < 0.0;
-    if (front == mesh.frontIsClockwise()) return std::nullopt;
+    if (front == (mesh.front() == Front::kClockwise)) return std::nullopt;
   }
   return aimed->ray;
 }

@@ -19,23 +19,37 @@ namespace culld {
 struct OracleOptions {
   std::uint32_t lattice = 2;             ///< lattice * lattice jittered samples in each pixel
   std::uint64_t max_samples = 1U << 24;  ///< huge images: an even, thinner lattice
-  std::uint32_t rays_per_object = 16;    ///< aimed at each object in the frustum not seen so far
+  /// Aimed at each object in the frustum that no sample met; whole rounds of kAimedRaysPerRound.
+  std::uint32_t rays_per_object = 16;
+  std::uint32_t poses = 12;  ///< further ones, if the camera has a motion bound
   std::uint64_t seed = 1;
   std::size_t threads = 0;  ///< 0: as many as cores. The answer does not depend on it
 };
 
+/// What equal tries found tells about what they left unfound. Both figures are estimates, no
+/// bounds; docs/oracle.md says what they assume. They may be added up over cameras.
+struct UnfoundEstimate {
+  std::uint64_t tries = 0;
+  std::uint64_t found_once = 0;  ///< objects that exactly one of the tries found
+  std::uint64_t not_found = 0;   ///< objects in the frustum that nothing found: none exceeds it
+  /// How many more objects one more try would find (I. J. Good, 1953).
+  double byOneMoreTry() const noexcept;
+  /// How many more objects would be found if the tries went on forever.
+  double byAnyNumber() const noexcept;
+};
+
 struct OracleAnswer {
-  std::vector<ObjectId> visible;       ///< ascending, unique: certainly in E
-  std::vector<float> pixels;           ///< per visible object: samples that saw it, in pixels
-  std::vector<std::uint8_t> subpixel;  ///< per visible object: 1 if only an aimed ray saw it
+  std::vector<ObjectId> visible;       ///< ascending, unique: certainly in E, from some pose
+  std::vector<float> pixels;           ///< per visible object: samples that saw it, in pixels; the
+                                       ///< most of any pose
+  std::vector<std::uint8_t> subpixel;  ///< per visible object: 1 if only aimed rays saw it
   /// Not visible for certain: met only behind a blocking surface by less than the tie tolerance.
   std::vector<ObjectId> ties;
   std::vector<ObjectId> in_frustum;  ///< ascending: objects whose box reaches into the frustum
+  std::uint32_t poses = 1;           ///< looked from; more than 1 only with a motion bound
   std::uint64_t rays = 0;            ///< cast, aimed ones included
-  /// How much may still be missing: objects that the last round of aimed rays found, and how many
-  /// objects it tried with kAimedRaysPerRound rays each.
-  std::size_t last_round_found = 0;
-  std::size_t last_round_tried = 0;
+  UnfoundEstimate unfound_by_rays;   ///< a try is one more round of aimed rays from each pose
+  UnfoundEstimate unfound_by_poses;  ///< a try is one more pose; none with a camera that is still
 };
 
 inline constexpr std::uint32_t kAimedRaysPerRound = 4;
@@ -56,13 +70,16 @@ class Oracle {
   static Result<std::unique_ptr<Oracle>> build(SnapshotPtr scene);
   ~Oracle();
 
-  /// The motion bound of `camera` is ignored: the look is from its eye.
-  /// GUARANTEES: every object in `visible` has a point inside the open frustum that no blocking
-  /// surface hides by more than the rounding of doubles, every blocking triangle grown by the
-  /// rounding of its own float coordinates. Equal inputs give equal answers for any thread count.
+  /// From the camera's own pose and, if it has a motion bound, from `options.poses` others within
+  /// it: the answer holds what any of them sees.
+  /// GUARANTEES: for every object in `visible` there is a pose within the motion bound and a point
+  /// inside its open frustum that no blocking surface hides by more than the rounding of doubles,
+  /// every blocking triangle grown by the rounding of its own float coordinates. Equal inputs give
+  /// equal answers for any thread count. COST: one look per pose.
   Result<OracleAnswer> look(const Camera& camera, const OracleOptions& options = {}) const;
 
-  /// Row by row, top row first: the nearest surface at each pixel's centre.
+  /// Row by row, top row first: the nearest surface at each pixel's centre, from the camera's own
+  /// pose.
   Result<std::vector<OraclePixel>> paint(const Camera& camera, std::size_t threads = 0) const;
 
  private:

@@ -66,13 +66,13 @@ struct RayMesh::Query : RTCIntersectContext {
 
 RayMesh::RayMesh(const Mesh& mesh) : mesh_(&mesh) { measure(); }
 
-RayMesh::RayMesh(const Mesh& mesh, std::vector<glm::dvec3> positions_world, bool mirrored)
-    : mesh_(&mesh), positions_world_(std::move(positions_world)), front_is_clockwise_(mirrored) {
+RayMesh::RayMesh(const Mesh& mesh, std::vector<glm::dvec3> positions, Front front)
+    : mesh_(&mesh), positions_(std::move(positions)), front_(front) {
   measure();
 }
 
 glm::dvec3 RayMesh::corner(std::uint32_t vertex) const {
-  return positions_world_.empty() ? glm::dvec3(mesh_->positions[vertex]) : positions_world_[vertex];
+  return positions_.empty() ? glm::dvec3(mesh_->positions[vertex]) : positions_[vertex];
 }
 
 Triangle RayMesh::triangle(std::uint32_t index) const {
@@ -114,9 +114,9 @@ void RayMesh::measure() {
     area_up_to_.push_back(area);
   }
   radius_ = std::sqrt(squared);
-  // In a world-space mesh the file's floats are gone; its size stands for them.
-  grow_ = positions_world_.empty() ? kFloatRounding * largest(glm::abs(centre_) + half_extent_)
-                                   : kFloatRounding * radius_ + kDoubleRounding * largest(centre_);
+  // Where the transform is applied already the file's floats are gone; the size stands for them.
+  grow_ = positions_.empty() ? kFloatRounding * largest(glm::abs(centre_) + half_extent_)
+                             : kFloatRounding * radius_ + kDoubleRounding * largest(centre_);
 }
 
 std::uint32_t RayMesh::triangleAtArea(double share) const {
@@ -147,8 +147,9 @@ void RayMesh::meet(std::uint32_t index, Query& query) const {
   const double distance = query.entry_distance + hit->distance;
   if (!(distance >= trace.from && distance <= trace.limit())) return;
   const Surface& surface = surfaceOf(index);
-  if (!surface.double_sided && hit->front == front_is_clockwise_) return;
-  if (hit->met) query.hits->push_back({distance, index});
+  const bool side_known = surface.double_sided || front_ != Front::kUnknown;
+  if (!surface.double_sided && side_known && hit->front == (front_ == Front::kClockwise)) return;
+  if (hit->met && side_known) query.hits->push_back({distance, index});
   if (surface.blocks && trace.may_block) trace.blocked_at = std::min(trace.blocked_at, distance);
 }
 

@@ -35,11 +35,16 @@ struct MeshTrace {
 /// certainty.
 inline constexpr double kTieRelative = 1e-5;
 
+/// Which side of a triangle is its front. Unknown: the transform is so nearly flat that rounding
+/// decides whether it mirrors; then single-sided triangles block for certain and are not seen for
+/// certain, so that nothing is called visible because of them.
+enum class Front : std::uint8_t { kCounterClockwise, kClockwise, kUnknown };
+
 class RayMesh {
  public:
   explicit RayMesh(const Mesh& mesh);
-  /// For transforms without a usable inverse: the same triangles, already in the world.
-  RayMesh(const Mesh& mesh, std::vector<glm::dvec3> positions_world, bool mirrored);
+  /// For transforms without a usable inverse: the same triangles, already turned and scaled.
+  RayMesh(const Mesh& mesh, std::vector<glm::dvec3> positions, Front front);
   RayMesh(const RayMesh&) = delete;
   RayMesh& operator=(const RayMesh&) = delete;
 
@@ -57,7 +62,7 @@ class RayMesh {
   const glm::dvec3& centre() const { return centre_; }
   const glm::dvec3& halfExtent() const { return half_extent_; }
   double radius() const { return radius_; }  ///< 0: nothing to meet
-  bool frontIsClockwise() const { return front_is_clockwise_; }
+  Front front() const { return front_; }
 
  private:
   struct Query;
@@ -68,8 +73,8 @@ class RayMesh {
   void meet(std::uint32_t triangle, Query& query) const;
 
   const Mesh* mesh_;
-  std::vector<glm::dvec3> positions_world_;
-  bool front_is_clockwise_ = false;
+  std::vector<glm::dvec3> positions_;  // empty: the mesh's own
+  Front front_ = Front::kCounterClockwise;
   glm::dvec3 centre_{0.0};
   glm::dvec3 half_extent_{0.0};
   double radius_ = 0.0;

@@ -11,8 +11,9 @@ namespace culld::oracle {
 namespace {
 
 constexpr std::uint32_t kNotFlattened = 0xFFFFFFFFU;
-// A transform worse than this is applied to the triangles instead of being inverted for the ray.
+// A linear part worse than this is applied to the triangles instead of being inverted for the ray.
 constexpr double kMaxCondition = 1e6;
+constexpr double kDeterminantRounding = 0x1p-49;  // of its terms: 16 roundings, it takes 9
 
 glm::dmat3 linearOf(const Instance& instance) {
   const auto& m = instance.world_from_mesh;
@@ -38,6 +39,24 @@ bool invertible(const glm::dmat3& linear) {
   if (!(scale > 0.0)) return false;
   const glm::dmat3 unit = linear / scale;
   return std::abs(glm::determinant(unit)) > 0.0 && norm(glm::inverse(unit)) < kMaxCondition;
+}
+
+/// By the sign of the determinant, if rounding cannot have decided it. A map that is flat because
+/// entries are zero does not mirror.
+Front frontUnder(const glm::dmat3& linear) {
+  const double scale = norm(linear);
+  if (!(scale > 0.0)) return Front::kCounterClockwise;
+  const glm::dmat3 m = linear / scale;
+  double sum = 0.0, terms = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const double with = m[0][i] * m[1][j] * m[2][k], against = m[0][i] * m[1][k] * m[2][j];
+    sum += with - against;
+    terms += std::abs(with) + std::abs(against);
+  }
+  if (terms == 0.0) return Front::kCounterClockwise;
+  if (!(std::abs(sum) > kDeterminantRounding * terms)) return Front::kUnknown;
+  return sum < 0.0 ? Front::kClockwise : Front::kCounterClockwise;
 }
 
 }  // namespace
@@ -73,10 +92,10 @@ void RayScene::flatten(ObjectId id) {
   std::vector<glm::dvec3> positions;
   positions.reserve(mesh.positions.size());
   for (const glm::vec3& p : mesh.positions) {
-    positions.push_back(linear * glm::dvec3(p) + shiftOf(instance));
+    positions.push_back(linear * glm::dvec3(p));
   }
   flattened_[id] = static_cast<std::uint32_t>(meshes_.size());
-  meshes_.push_back(std::make_unique<RayMesh>(mesh, std::move(positions), instance.mirrored));
+  meshes_.push_back(std::make_unique<RayMesh>(mesh, std::move(positions), frontUnder(linear)));
 }
 
 Placing RayScene::place(ObjectId id) const {
@@ -84,7 +103,8 @@ Placing RayScene::place(ObjectId id) const {
   if (!instance.active() || !finite(instance)) return {};
   if (flattened_[id] != kNotFlattened) {
     const RayMesh* mesh = meshes_[flattened_[id]].get();
-    return mesh->radius() > 0.0 ? Placing{mesh, glm::dmat3(1.0), glm::dvec3(0.0)} : Placing{};
+    if (!(mesh->radius() > 0.0)) return {};
+    return {mesh, glm::dmat3(1.0), shiftOf(instance)};
   }
   const RayMesh* mesh = meshes_[instance.mesh].get();
   const glm::dmat3 linear = linearOf(instance);

@@ -14,7 +14,7 @@ namespace {
 
 struct Arguments {
   std::string scene, cameras, answers, pictures, json;
-  std::uint32_t samples = 4, rays = 16, every = 1, poses = 4;
+  std::uint32_t samples = 4, rays = 16, every = 1, poses = OracleOptions{}.poses;
 };
 
 int fail(const std::string& message, int code = 2) {
@@ -60,6 +60,27 @@ T total(const std::vector<CheckedFrame>& frames, T CheckedFrame::*field) {
   return sum;
 }
 
+/// What the oracle itself may have missed, over all cameras.
+void printUnfound(const std::vector<CheckedFrame>& frames) {
+  double next_round = 0.0, forever = 0.0, next_pose = 0.0;
+  bool moving = false;
+  for (const CheckedFrame& f : frames) {
+    next_round += f.truth.unfound_by_rays.byOneMoreTry();
+    forever += f.truth.unfound_by_rays.byAnyNumber();
+    next_pose += f.truth.unfound_by_poses.byOneMoreTry();
+    moving = moving || f.truth.poses > 1;
+  }
+  std::printf(
+      "  visible, yet unfound      %12.1f   by estimate, over all cameras; %u more rays at each\n"
+      "                                           unseen object would find %.1f of them\n",
+      forever, kAimedRaysPerRound, next_round);
+  if (moving) {
+    std::printf(
+        "                            %12.1f   more by one more pose within each motion bound\n",
+        next_pose);
+  }
+}
+
 void printSummary(const Inputs& inputs, const std::vector<CheckedFrame>& frames) {
   const double in_frustum = mean(frames, &CheckedFrame::in_frustum);
   const double answered = mean(frames, &CheckedFrame::answered);
@@ -79,6 +100,15 @@ void printSummary(const Inputs& inputs, const std::vector<CheckedFrame>& frames)
   std::printf("  visible objects missed    %12zu   over all cameras (%zu of them below a pixel)\n",
               total(frames, &CheckedFrame::missed) + total(frames, &CheckedFrame::missed_subpixel),
               total(frames, &CheckedFrame::missed_subpixel));
+  printUnfound(frames);
+}
+
+nlohmann::json asJson(const UnfoundEstimate& estimate) {
+  return {{"tries", estimate.tries},
+          {"found_once", estimate.found_once},
+          {"not_found", estimate.not_found},
+          {"by_one_more_try", estimate.byOneMoreTry()},
+          {"by_any_number", estimate.byAnyNumber()}};
 }
 
 nlohmann::json asJson(const CheckedFrame& f) {
@@ -95,8 +125,9 @@ nlohmann::json asJson(const CheckedFrame& f) {
           {"answered_triangles", f.answered_triangles},
           {"oracle_seconds", f.oracle_s},
           {"oracle_rays", f.rays},
-          {"last_round_found", f.last_round_found},
-          {"last_round_tried", f.last_round_tried}};
+          {"oracle_poses", f.truth.poses},
+          {"unfound_by_rays", asJson(f.truth.unfound_by_rays)},
+          {"unfound_by_poses", asJson(f.truth.unfound_by_poses)}};
 }
 
 bool writeJson(const std::string& path, const Inputs& inputs,
@@ -125,6 +156,7 @@ int check(const Arguments& arguments) {
   OracleOptions options;
   options.lattice = static_cast<std::uint32_t>(std::ceil(std::sqrt(arguments.samples)));
   options.rays_per_object = arguments.rays;
+  options.poses = arguments.poses;
   std::error_code error;
   if (!arguments.pictures.empty()) std::filesystem::create_directories(arguments.pictures, error);
   if (error) return fail(arguments.pictures + ": " + error.message(), 74);
@@ -133,7 +165,7 @@ int check(const Arguments& arguments) {
   std::vector<CheckedFrame> frames;
   for (std::size_t i = 0; i < inputs.value().frames.size(); i += arguments.every) {
     const AnsweredFrame& answered = inputs.value().frames[i];
-    auto frame = checkFrame(inputs.value(), answered, *oracle.value(), options, arguments.poses);
+    auto frame = checkFrame(inputs.value(), answered, *oracle.value(), options);
     if (!frame) return fail(frame.error().message, 1);
     printFrame(frame.value());
     if (!arguments.pictures.empty()) {

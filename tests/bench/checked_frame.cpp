@@ -2,10 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <glm/ext/matrix_transform.hpp>
-#include <glm/geometric.hpp>
-#include <random>
 
 #include "culling/report/frame_picture.h"
 
@@ -14,40 +10,18 @@ namespace {
 
 constexpr std::size_t kMaxExamples = 8;
 
-glm::dvec3 randomDirection(std::mt19937_64& random) {
-  std::normal_distribution<double> normal;
-  const glm::dvec3 v(normal(random), normal(random), normal(random));
-  return v / glm::length(v);
-}
-
-/// The same camera elsewhere on the rim of its motion bound.
-Camera poseWithin(const Camera& camera, std::mt19937_64& random) {
-  Camera moved = camera;
-  moved.origin_world += camera.motion.radius_m * randomDirection(random);
-  const glm::dmat3 turn(
-      glm::rotate(glm::dmat4(1.0), camera.motion.angle_rad, randomDirection(random)));
-  for (glm::dvec4* row : {&moved.x_row, &moved.y_row, &moved.z_row, &moved.w_row, &moved.near_row,
-                          &moved.near_cut_row, &moved.far_cut_row}) {
-    *row = glm::dvec4(turn * glm::dvec3(*row), row->w);
-  }
-  return moved;
-}
-
 std::uint64_t trianglesOf(const SceneSnapshot& scene, const std::vector<ObjectId>& objects) {
   std::uint64_t sum = 0;
   for (const ObjectId id : objects) sum += scene.mesh(scene.instance(id).mesh).triangles.size();
   return sum;
 }
 
-/// Adds what `truth` sees and `answered` lacks; each object counts once over all poses.
-void addMissed(const SceneSnapshot& scene, const OracleAnswer& truth,
-               const std::vector<ObjectId>& answered, std::vector<ObjectId>& known,
+void addMissed(const SceneSnapshot& scene, const std::vector<ObjectId>& answered,
                CheckedFrame& frame) {
+  const OracleAnswer& truth = frame.truth;
   for (std::size_t i = 0; i < truth.visible.size(); ++i) {
     const ObjectId id = truth.visible[i];
     if (std::binary_search(answered.begin(), answered.end(), id)) continue;
-    if (std::find(known.begin(), known.end(), id) != known.end()) continue;
-    known.push_back(id);
     (truth.subpixel[i] != 0 ? frame.missed_subpixel : frame.missed) += 1;
     frame.missed_px += static_cast<double>(truth.pixels[i]);
     const Instance& instance = scene.instance(id);
@@ -60,26 +34,16 @@ void addMissed(const SceneSnapshot& scene, const OracleAnswer& truth,
 }  // namespace
 
 Result<CheckedFrame> checkFrame(const Inputs& inputs, const AnsweredFrame& answered,
-                                const Oracle& oracle, const OracleOptions& options,
-                                std::uint32_t poses) {
-  const Camera& camera = inputs.cameras[answered.camera];
+                                const Oracle& oracle, const OracleOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  auto truth = oracle.look(camera, options);
+  auto truth = oracle.look(inputs.cameras[answered.camera], options);
   if (!truth) return std::move(truth).error();
   CheckedFrame frame;
   frame.camera = answered.camera;
   frame.truth = std::move(truth).value();
-  std::vector<ObjectId> missed;
-  addMissed(*inputs.scene, frame.truth, answered.visible, missed, frame);
-  frame.rays = frame.truth.rays;
-  std::mt19937_64 random(answered.camera);
-  for (std::uint32_t pose = 0; pose < poses && !camera.motion.still(); ++pose) {
-    const auto other = oracle.look(poseWithin(camera, random), options);
-    if (!other) return other.error();
-    addMissed(*inputs.scene, other.value(), answered.visible, missed, frame);
-    frame.rays += other.value().rays;
-  }
+  addMissed(*inputs.scene, answered.visible, frame);
   const OracleAnswer& seen = frame.truth;
+  frame.rays = seen.rays;
   frame.in_frustum = seen.in_frustum.size();
   frame.answered = answered.visible.size();
   frame.visible = seen.visible.size();
@@ -91,8 +55,6 @@ Result<CheckedFrame> checkFrame(const Inputs& inputs, const AnsweredFrame& answe
       }));
   frame.frustum_triangles = trianglesOf(*inputs.scene, seen.in_frustum);
   frame.answered_triangles = trianglesOf(*inputs.scene, answered.visible);
-  frame.last_round_found = seen.last_round_found;
-  frame.last_round_tried = seen.last_round_tried;
   frame.oracle_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return frame;
 }

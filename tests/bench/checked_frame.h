@@ -38,7 +38,7 @@ struct MissedObject {
 
 struct CheckedFrame {
   std::size_t camera = 0;
-  std::size_t in_frustum = 0;  ///< objects whose box reaches into the frustum
+  std::size_t in_frustum = 0;  ///< objects whose box reaches into the frustum, from any pose
   std::size_t answered = 0;
   std::size_t visible = 0;           ///< truly, by the oracle, sub-pixel ones included
   std::size_t visible_subpixel = 0;  ///< met by aimed rays only
@@ -49,20 +49,17 @@ struct CheckedFrame {
   std::uint64_t frustum_triangles = 0, answered_triangles = 0;
   std::uint64_t rays = 0;
   double oracle_s = 0.0;
-  std::size_t last_round_found = 0, last_round_tried = 0;  ///< as in OracleAnswer
-  std::vector<MissedObject> examples;                      ///< a few of the missed
-  OracleAnswer truth;                                      ///< from the camera's own pose
+  std::vector<MissedObject> examples;  ///< a few of the missed
+  OracleAnswer truth;                  ///< of all poses within the camera's motion bound
 
   double excess() const {
     return visible == 0 ? 1.0 : static_cast<double>(answered) / static_cast<double>(visible);
   }
 };
 
-/// A camera with a motion bound is looked through from its own pose and from `poses` others at the
-/// limits of the bound: what any of them misses counts.
+/// What any pose within the camera's motion bound sees must be answered (Oracle::look).
 Result<CheckedFrame> checkFrame(const Inputs& inputs, const AnsweredFrame& answered,
-                                const Oracle& oracle, const OracleOptions& options,
-                                std::uint32_t poses);
+                                const Oracle& oracle, const OracleOptions& options);
 
 /// Writes DIR/camera-NNN.png and DIR/above-NNN.png.
 Result<void> drawFrame(const Inputs& inputs, const AnsweredFrame& answered,

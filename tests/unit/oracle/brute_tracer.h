@@ -26,6 +26,7 @@ struct BruteHit {
   long double inside = 0;
   long double facing = 0;  ///< cosine between the triangle's plane normal and the ray
   bool blocks = false;
+  bool side_known = true;  ///< false: single-sided under a transform that may or may not mirror
 };
 
 /// Surfaces met from the side they are seen from, in no order.

@@ -38,7 +38,10 @@ inline RawSurface cube() {
 class Scene {
  public:
   ObjectId add(const RawSurface& surface, const Rows& rows) {
-    const MeshId mesh = builder_.addMesh(makeMesh({surface}));
+    return add(std::vector{surface}, rows);
+  }
+  ObjectId add(const std::vector<RawSurface>& surfaces, const Rows& rows) {
+    const MeshId mesh = builder_.addMesh(makeMesh(surfaces));
     return builder_.addInstance(mesh, rows, next_++);
   }
   SnapshotPtr finish() { return builder_.finish(); }
