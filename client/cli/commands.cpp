@@ -12,7 +12,6 @@ int fail(ExitCode code, const std::string& message) {
 }
 
 int checkStdout(int code) {
-  std::cout.flush();
   const auto written = protocol::flushStdout();
   return written || code != kFine ? code : fail(kDisk, written.error().message);
 }
