@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "culling/core/camera.h"
@@ -38,11 +39,14 @@ struct CullStats {
   std::uint32_t tested = 0;         ///< objects tested one by one
   std::uint32_t outside = 0;   ///< objects proven outside the frustum, as far as they were counted
   std::uint32_t occluded = 0;  ///< objects proven hidden one by one, not those below a hidden node
-  std::uint32_t in_frustum =
-      0;  ///< objects not proven outside; 0 if the method does not count them
+  /// Objects not proven outside; 0 if the method does not count them, or had no time to.
+  std::uint32_t in_frustum = 0;
   std::uint32_t occluders_drawn = 0;
   std::uint32_t triangles_drawn = 0;
   std::uint32_t always_kept = 0;  ///< objects without a bound (skins, morphs, non-finite)
+  /// The work as the method counts it, priced with constants measured once (docs/planner.md): the
+  /// same number on every machine. 0 if the method does not price its work.
+  std::chrono::nanoseconds work{0};
 };
 
 struct Answer {
@@ -54,6 +58,8 @@ struct Answer {
   bool proven = true;
   bool out_of_budget = false;  ///< stopped early: everything undecided was kept
   std::string note;            ///< what was left out of the work and why, empty if nothing
+  /// Name of the method that made it, where the one asked has a choice; else empty. A literal.
+  std::string_view made_by;
   CullStats stats;
 };
 
@@ -64,6 +70,9 @@ class ViewState {
   class Memory {
    public:
     virtual ~Memory() = default;
+    /// The scene goes on in a version made by edits: forgets what held for the old one only. False:
+    /// nothing is left.
+    virtual bool sceneEdited() { return false; }
   };
   /// The memory of the culler that asks, made on first use and when another method comes by.
   template <typename T>
@@ -75,6 +84,11 @@ class ViewState {
       memory_ = std::move(fresh);
     }
     return *mine;
+  }
+
+  /// To be called before a view goes on with Culler::edited()'s culler.
+  void sceneEdited() {
+    if (memory_ != nullptr && !memory_->sceneEdited()) memory_.reset();
   }
 
  private:
@@ -120,6 +134,12 @@ class Method {
   /// Time limits in a Demand are measured with `clock`, which must outlive the culler.
   virtual Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene,
                                                   const Clock& clock = steadyClock()) const = 0;
+  /// The same, sharing what `sibling`, any method's culler of that snapshot, has prepared.
+  virtual Result<std::unique_ptr<Culler>> prepareBeside(const Culler& /*sibling*/,
+                                                        SnapshotPtr scene,
+                                                        const Clock& clock) const {
+    return prepare(std::move(scene), clock);
+  }
 };
 
 /// Every method, an explicit table (methods/all.cpp).

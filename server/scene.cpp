@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "culling/planner/auto_method.h"
 #include "culling/planner/scene_profile.h"
 
 namespace culld::server {
@@ -22,13 +21,14 @@ SceneVersion::SceneVersion(const SceneVersion& before, SnapshotPtr next)
       slots_(before.slots_.size()) {}
 
 Result<const Method*> SceneVersion::method(std::string_view name) const {
-  if (name.empty() || name == "auto") {
-    const auto choice = chooseMethod(profile_, methods_);
-    if (!choice) return choice.error();
-    return choice.value().method;
-  }
-  for (const Method* method : methods_) {
-    if (method->info().name != name) continue;
+  const bool any = name.empty() || name == "auto";
+  const auto named = std::find_if(methods_.begin(), methods_.end(), [&](const Method* method) {
+    return method->info().name == (any ? "auto" : name);
+  });
+  const Method* method = named != methods_.end()    ? *named
+                         : any && !methods_.empty() ? methods_.front()
+                                                    : nullptr;
+  if (method != nullptr) {
     if (auto fits = method->accepts(profile_); !fits) return fits.error();
     return method;
   }

@@ -27,8 +27,8 @@ class SceneVersion {
   /// Counts the scenes held under this name; ids of another epoch mean nothing in this one.
   std::uint64_t epoch() const noexcept { return epoch_; }
 
-  /// "" and "auto": the one the planner chooses for this scene.
-  /// ERROR: kNotFound; kUnsupported, the method's own words on why not for this scene.
+  /// "" means "auto", which in a table without it is the first method. ERROR: kNotFound;
+  /// kUnsupported, the method's own words on why not for this scene.
   Result<const Method*> method(std::string_view name) const;
   /// Prepared once; others who ask meanwhile wait. REQUIRES: `method` came from method().
   Result<std::shared_ptr<const Culler>> culler(const Method& method) const;

@@ -1,26 +1,16 @@
 // The table of all methods. Explicit: a static library drops objects that register themselves.
+// `auto` comes last: it chooses among the others.
 #include "culling/culler.h"
 #include "culling/methods/frustum.h"
 #include "culling/methods/raster.h"
+#include "culling/planner/auto_method.h"
 
 namespace culld {
 
-std::string_view guaranteeName(Guarantee guarantee) noexcept {
-  switch (guarantee) {
-    case Guarantee::kConservative:
-      return "conservative";
-    case Guarantee::kHole:
-      return "hole";
-    case Guarantee::kSampled:
-      return "sampled";
-    case Guarantee::kApproximate:
-      break;
-  }
-  return "approximate";
-}
-
 std::span<const Method* const> allMethods() noexcept {
-  static const Method* const methods[] = {&frustumMethod(), &rasterMethod()};
+  static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
+  static const AutoMethod automatic(stages);
+  static const Method* const methods[] = {stages[0], stages[1], &automatic};
   return methods;
 }
 

@@ -4,50 +4,55 @@
 
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/frustum_walk.h"
-#include "culling/spatial/wide_bvh.h"
+#include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
 namespace {
 
-class FrustumCuller final : public Culler {
+/// Nanoseconds, measured (docs/planner.md).
+constexpr std::uint64_t kFrameNs = 300, kNodeNs = 40, kAnsweredNs = 4;
+
+class FrustumCuller final : public Culler, public HoldsBoxes {
  public:
-  FrustumCuller(SnapshotPtr scene, WideBvh bvh, const Clock& clock)
-      : scene_(std::move(scene)), bvh_(std::move(bvh)), clock_(clock) {}
+  FrustumCuller(PreparedBoxes boxes, const Clock& clock)
+      : boxes_(std::move(boxes)), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& /*view*/) const override {
     const auto start = clock_.now();
+    const WideBvh& bvh = boxes_.bvh();
     Answer answer;
     const FrustumWalkStats walk = appendInFrustum(
-        bvh_, FrustumTest(camera, bvh_), Deadline(clock_, start, demand.time), answer.visible);
-    const std::size_t found = answer.visible.size();
-    const auto always = bvh_.alwaysKept();
-    answer.visible.insert(answer.visible.end(), always.begin(), always.end());
-    sortIds(answer.visible, scene_->objectCount());
-
+        bvh, FrustumTest(camera, bvh), Deadline(clock_, start, demand.time), answer.visible);
+    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
+    boxes_.completeIds(answer.visible);
     answer.out_of_budget = walk.out_of_time;
     if (walk.out_of_time) answer.note = "frustum: out of time, undecided objects are kept";
     answer.stats.nodes_visited = walk.nodes_visited;
     answer.stats.tested = walk.tested;
-    answer.stats.outside = static_cast<std::uint32_t>(bvh_.liveObjects() - found);
     answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.always_kept = static_cast<std::uint32_t>(always.size());
+    answer.stats.always_kept = static_cast<std::uint32_t>(bvh.alwaysKept().size());
+    answer.stats.work = std::chrono::nanoseconds(kFrameNs + kNodeNs * walk.nodes_visited +
+                                                 kAnsweredNs * answer.visible.size());
     answer.stats.time = clock_.now() - start;
     return answer;
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                          std::span<const ObjectId> changed) const override {
-    if (auto fits = WideBvh::fits(*next); !fits) return std::move(fits).error();
-    WideBvh bvh = bvh_.edited(*next, changed);
-    return std::unique_ptr<Culler>(
-        std::make_unique<FrustumCuller>(std::move(next), std::move(bvh), clock_));
+    return around(boxes_.edited(std::move(next), changed), clock_);
   }
 
-  std::size_t preparedBytes() const noexcept override { return bvh_.bytes(); }
+  std::size_t preparedBytes() const noexcept override { return boxes_.bytes(); }
+  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+
+  static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes, const Clock& clock) {
+    if (!boxes) return std::move(boxes).error();
+    return std::unique_ptr<Culler>(
+        std::make_unique<FrustumCuller>(std::move(boxes).value(), clock));
+  }
 
  private:
-  SnapshotPtr scene_;
-  WideBvh bvh_;
+  PreparedBoxes boxes_;
   const Clock& clock_;
 };
 
@@ -58,10 +63,13 @@ class FrustumMethod final : public Method {
   }
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
-    if (auto fits = WideBvh::fits(*scene); !fits) return std::move(fits).error();
-    WideBvh bvh = WideBvh::build(*scene);
-    return std::unique_ptr<Culler>(
-        std::make_unique<FrustumCuller>(std::move(scene), std::move(bvh), clock));
+    return FrustumCuller::around(PreparedBoxes::of(std::move(scene)), clock);
+  }
+  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
+                                                const Clock& clock) const override {
+    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
+    if (lender == nullptr) return prepare(std::move(scene), clock);
+    return FrustumCuller::around(lender->boxes(), clock);
   }
 };
 

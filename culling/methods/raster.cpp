@@ -5,29 +5,29 @@
 #include "culling/methods/raster_walk.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/frustum_walk.h"
-#include "culling/spatial/wide_bvh.h"
+#include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
 namespace {
 
-class RasterCuller final : public Culler {
+class RasterCuller final : public Culler, public HoldsBoxes {
  public:
-  RasterCuller(SnapshotPtr scene, WideBvh bvh, const Clock& clock)
-      : scene_(std::move(scene)), bvh_(std::move(bvh)), clock_(clock) {}
+  RasterCuller(PreparedBoxes boxes, const Clock& clock) : boxes_(std::move(boxes)), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
     const auto start = clock_.now();
     const Deadline deadline(clock_, start, demand.time);
     Answer answer;
     if (camera.motion.still()) {
-      RasterWalk(*scene_, bvh_, camera, deadline, view.memory<RasterMemory>()).run(answer);
+      RasterWalk(*boxes_.scene(), boxes_.bvh(), camera, deadline, view.memory<RasterMemory>())
+          .run(answer);
     } else {
       cullFrustumOnly(camera, deadline, answer);
     }
-    const auto always = bvh_.alwaysKept();
-    answer.visible.insert(answer.visible.end(), always.begin(), always.end());
-    sortIds(answer.visible, scene_->objectCount());
-    answer.stats.always_kept = static_cast<std::uint32_t>(always.size());
+    boxes_.completeIds(answer.visible);
+    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
+    if (!answer.out_of_budget || answer.stats.in_frustum != 0)
+      answer.stats.in_frustum += answer.stats.always_kept;
     if (answer.out_of_budget) answer.note = "raster: out of time, undecided objects are kept";
     answer.stats.time = clock_.now() - start;
     return answer;
@@ -35,28 +35,32 @@ class RasterCuller final : public Culler {
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                          std::span<const ObjectId> changed) const override {
-    if (auto fits = WideBvh::fits(*next); !fits) return std::move(fits).error();
-    WideBvh bvh = bvh_.edited(*next, changed);
-    return std::unique_ptr<Culler>(
-        std::make_unique<RasterCuller>(std::move(next), std::move(bvh), clock_));
+    return around(boxes_.edited(std::move(next), changed), clock_);
   }
 
-  std::size_t preparedBytes() const noexcept override { return bvh_.bytes(); }
+  std::size_t preparedBytes() const noexcept override { return boxes_.bytes(); }
+  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+
+  static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes, const Clock& clock) {
+    if (!boxes) return std::move(boxes).error();
+    return std::unique_ptr<Culler>(std::make_unique<RasterCuller>(std::move(boxes).value(), clock));
+  }
 
  private:
   /// What is drawn for one eye proves nothing for another; the frustum widens, occlusion does not.
   void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
+    const WideBvh& bvh = boxes_.bvh();
     const FrustumWalkStats walk =
-        appendInFrustum(bvh_, FrustumTest(camera, bvh_), deadline, answer.visible);
+        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
     answer.stats.nodes_visited = walk.nodes_visited;
     answer.stats.tested = walk.tested;
-    answer.stats.outside = static_cast<std::uint32_t>(bvh_.liveObjects() - answer.visible.size());
+    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
+    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
     answer.out_of_budget = walk.out_of_time;
     answer.note = "raster: the request has a motion bound, occlusion is left out";
   }
 
-  SnapshotPtr scene_;
-  WideBvh bvh_;
+  PreparedBoxes boxes_;
   const Clock& clock_;
 };
 
@@ -67,10 +71,13 @@ class RasterMethod final : public Method {
   }
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
-    if (auto fits = WideBvh::fits(*scene); !fits) return std::move(fits).error();
-    WideBvh bvh = WideBvh::build(*scene);
-    return std::unique_ptr<Culler>(
-        std::make_unique<RasterCuller>(std::move(scene), std::move(bvh), clock));
+    return RasterCuller::around(PreparedBoxes::of(std::move(scene)), clock);
+  }
+  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
+                                                const Clock& clock) const override {
+    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
+    if (lender == nullptr) return prepare(std::move(scene), clock);
+    return RasterCuller::around(lender->boxes(), clock);
   }
 };
 

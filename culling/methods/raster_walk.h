@@ -45,6 +45,7 @@ class RasterWalk {
   bool takeNearest();
   void takeObject(const RasterItem& item);
   void answerCandidates(Answer& answer);
+  void takeHidden(const RasterItem& item);
   bool worthDrawing(const RasterItem& item) const;
   bool drawObject(const RasterItem& item);
   void keepTheRest(Answer& answer);
@@ -63,6 +64,8 @@ class RasterWalk {
   BoxView box_view_;
   glm::dvec3 origin_world_;
   CullStats stats_;
+  std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
+  std::uint64_t drawing_ns_ = 0;  ///< counted work of all that was drawn, priced
 };
 
 }  // namespace culld

@@ -1,60 +1,157 @@
 #include "culling/planner/auto_method.h"
 
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "culling/planner/watch.h"
+
 namespace culld {
 namespace {
 
-// Below this a frustum test of everything takes microseconds, and drawing occluders cannot pay.
-constexpr std::uint64_t kFewObjects = 256;
-
-/// What a method must be able to use, cheapest first: boxes only, then the scene's triangles.
-constexpr std::string_view kBoxes = "boxes";
-constexpr std::string_view kTriangles = "triangles";
-
-struct Search {
-  const Method* found = nullptr;
-  std::string refusals;  ///< "; NAME: why not" of each that was asked and declined
+/// What a view of an `auto` culler keeps. The watch outlives edits of the scene; what the stages
+/// keep does not.
+struct AutoMemory final : ViewState::Memory {
+  bool sceneEdited() override {
+    frustum = ViewState();
+    occlusion = ViewState();
+    return true;
+  }
+  std::optional<Watch> watch;
+  ViewState frustum, occlusion;
 };
 
-Search firstThatAccepts(const SceneProfile& profile, std::span<const Method* const> methods,
-                        std::string_view needs) {
-  Search search;
-  for (const Method* method : methods) {
-    const MethodInfo info = method->info();
-    if (info.guarantee != Guarantee::kConservative || info.needs != needs) continue;
-    if (auto accepted = method->accepts(profile); accepted) {
-      search.found = method;
-      return search;
-    } else {
-      search.refusals += "; " + std::string(info.name) + ": " + accepted.error().message;
-    }
-  }
-  return search;
-}
+class AutoCuller final : public Culler {
+ public:
+  AutoCuller(SnapshotPtr scene, PreparedPlan prepared, const Clock& clock)
+      : scene_(std::move(scene)),
+        plan_(std::move(prepared.plan)),
+        frustum_(std::move(prepared.frustum)),
+        occlusion_(std::move(prepared.occlusion)),
+        occlusion_ready_(occlusion_ != nullptr),
+        clock_(clock) {}
 
-MethodChoice chosen(const Method& method, const std::string& why) {
-  return {&method, std::string(method.info().name) + ": " + why};
-}
+  Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
+    const auto start = clock_.now();
+    auto& memory = view.memory<AutoMemory>();
+    Answer answer = cullWith(camera, demand, memory);
+    answer.stats.time = clock_.now() - start;
+    return answer;
+  }
+
+  Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
+                                         std::span<const ObjectId> changed) const override {
+    PreparedPlan prepared;
+    prepared.plan = plan_;
+    auto frustum = frustum_->edited(next, changed);
+    if (!frustum) return std::move(frustum).error();
+    prepared.frustum = std::move(frustum).value();
+    if (occlusion_ready_.load(std::memory_order_acquire)) {
+      // A stage that cannot follow is built anew when it is next wanted.
+      auto occlusion = occlusion_->edited(next, changed);
+      if (occlusion) prepared.occlusion = std::move(occlusion).value();
+    }
+    return std::unique_ptr<Culler>(
+        std::make_unique<AutoCuller>(std::move(next), std::move(prepared), clock_));
+  }
+
+  /// Stages that share what they prepared are each counted in full.
+  std::size_t preparedBytes() const noexcept override {
+    std::size_t bytes = frustum_->preparedBytes();
+    if (occlusion_ready_.load(std::memory_order_acquire)) bytes += occlusion_->preparedBytes();
+    return bytes;
+  }
+
+  const Plan& plan() const noexcept { return *plan_; }
+
+ private:
+  Answer cullWith(const Camera& camera, const Demand& demand, AutoMemory& memory) const {
+    if (plan_->occlusion == nullptr) {
+      return frustumAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
+    }
+    // What is drawn for one eye proves nothing for the others of a motion bound.
+    if (!camera.motion.still()) {
+      return frustumAnswer(camera, demand, memory, "no occlusion: a motion bound is asked for");
+    }
+    if (!memory.watch) memory.watch.emplace(plan_);
+    const Culler* occlusion = memory.watch->wantsOcclusion(camera) ? occlusionCuller() : nullptr;
+    if (occlusion == nullptr) {
+      Answer answer = frustumAnswer(camera, demand, memory, "no occlusion: it does not pay here");
+      memory.watch->sawFrustum(watched(answer));
+      return answer;
+    }
+    Answer answer = occlusion->cull(camera, demand, memory.occlusion);
+    answer.made_by = plan_->occlusion->info().name;
+    memory.watch->sawOcclusion(watched(answer));
+    return answer;
+  }
+
+  Answer frustumAnswer(const Camera& camera, const Demand& demand, AutoMemory& memory,
+                       const char* why) const {
+    Answer answer = frustum_->cull(camera, demand, memory.frustum);
+    answer.made_by = plan_->frustum->info().name;
+    if (answer.note.empty()) answer.note = why;
+    return answer;
+  }
+
+  static WatchedFrame watched(const Answer& answer) {
+    return {answer.stats.work, answer.stats.in_frustum,
+            static_cast<std::uint32_t>(answer.visible.size())};
+  }
+
+  /// Built when first wanted. Nobody waits: who comes meanwhile does without.
+  const Culler* occlusionCuller() const {
+    if (occlusion_ready_.load(std::memory_order_acquire)) return occlusion_.get();
+    const std::unique_lock lock(building_, std::try_to_lock);
+    if (!lock.owns_lock() || failed_) return nullptr;
+    if (occlusion_ == nullptr) {
+      auto built = plan_->occlusion->prepareBeside(*frustum_, scene_, clock_);
+      failed_ = !built;
+      if (failed_) return nullptr;
+      occlusion_ = std::move(built).value();
+      occlusion_ready_.store(true, std::memory_order_release);
+    }
+    return occlusion_.get();
+  }
+
+  SnapshotPtr scene_;
+  std::shared_ptr<const Plan> plan_;
+  std::unique_ptr<Culler> frustum_;
+  mutable std::mutex building_;
+  mutable std::unique_ptr<Culler> occlusion_;  ///< written once, under building_
+  mutable std::atomic<bool> occlusion_ready_;  ///< then read without it
+  mutable bool failed_ = false;
+  const Clock& clock_;
+};
 
 }  // namespace
 
-Result<MethodChoice> chooseMethod(const SceneProfile& profile,
-                                  std::span<const Method* const> methods) {
-  const std::string objects = std::to_string(profile.objects) + " objects";
-  const std::string blocking = std::to_string(profile.blocking_triangles) + " blocking triangles";
-  std::string why_not;
-  if (profile.objects < kFewObjects) {
-    why_not = objects + ", fewer than " + std::to_string(kFewObjects) + ": occluders cannot pay";
-  } else if (profile.blocking_triangles == 0) {
-    why_not = "no blocking triangles: nothing can hide anything";
-  } else {
-    const Search search = firstThatAccepts(profile, methods, kTriangles);
-    if (search.found != nullptr) return chosen(*search.found, objects + " and " + blocking);
-    why_not = objects + " and " + blocking + ", but no method that uses them" + search.refusals;
+MethodInfo AutoMethod::info() const noexcept {
+  return {"auto", "culld", Guarantee::kConservative, "boxes; triangles where occlusion pays"};
+}
+
+Result<void> AutoMethod::accepts(const SceneProfile& profile) const {
+  std::string refusals;
+  for (const Method* method : stages_) {
+    if (method->info().guarantee != Guarantee::kConservative) continue;
+    auto accepted = method->accepts(profile);
+    if (accepted) return Done{};
+    refusals += "; " + std::string(method->info().name) + ": " + accepted.error().message;
   }
-  const Search search = firstThatAccepts(profile, methods, kBoxes);
-  if (search.found != nullptr) return chosen(*search.found, why_not);
-  return Error{ErrorCode::kUnsupported,
-               "no conservative method is for this scene (" + why_not + ")" + search.refusals};
+  return Error{ErrorCode::kUnsupported, "no conservative method is for this scene" + refusals};
+}
+
+Result<std::unique_ptr<Culler>> AutoMethod::prepare(SnapshotPtr scene, const Clock& clock) const {
+  auto prepared = makePlan(scene, stages_, clock);
+  if (!prepared) return std::move(prepared).error();
+  return std::unique_ptr<Culler>(
+      std::make_unique<AutoCuller>(std::move(scene), std::move(prepared).value(), clock));
+}
+
+const Plan* planOf(const Culler& culler) noexcept {
+  const auto* automatic = dynamic_cast<const AutoCuller*>(&culler);
+  return automatic == nullptr ? nullptr : &automatic->plan();
 }
 
 }  // namespace culld

@@ -32,10 +32,10 @@ double largest(const glm::dvec4& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Largest offset that any node of the tree can hold.
+/// Largest offset that any node can hold.
 double reachOf(const WideBvh& bvh) {
-  if (bvh.empty()) return 0.0;
-  const Box box = boundsOf(bvh.node(WideBvh::kRoot));
+  Box box;
+  for (std::uint32_t root = 0; root < bvh.rootCount(); ++root) box.grow(boundsOf(bvh.node(root)));
   return box.empty() ? 0.0 : sumAbs(box.max - box.min) * kUp;
 }
 

@@ -32,7 +32,7 @@ struct LaneVerdicts {
 
 class FrustumTest {
  public:
-  /// For the nodes of `bvh`; looks only at the size of its root, and keeps no reference.
+  /// For the nodes of `bvh`; looks only at the size of its roots, and keeps no reference.
   FrustumTest(const Camera& camera, const WideBvh& bvh);
 
   /// Planes that can cull at all. An infinite far plane, for one, is left out.

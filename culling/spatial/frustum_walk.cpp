@@ -5,16 +5,23 @@
 
 namespace culld {
 
+namespace {
+
+struct Entry {
+  std::uint32_t node;
+  PlaneMask planes;
+};
+
+}  // namespace
+
 FrustumWalkStats appendInFrustum(const WideBvh& bvh, const FrustumTest& frustum,
                                  const Deadline& deadline, std::vector<ObjectId>& out) {
-  struct Entry {
-    std::uint32_t node;
-    PlaneMask planes;
-  };
   constexpr std::uint32_t kNodesPerLook = 64;  // a look at the clock costs about one node
   FrustumWalkStats stats;
-  if (bvh.empty()) return stats;
-  std::vector<Entry> stack{{WideBvh::kRoot, frustum.planes()}};
+  std::vector<Entry> stack;
+  for (auto root = static_cast<std::uint32_t>(bvh.rootCount()); root-- > 0;) {
+    stack.push_back({root, frustum.planes()});
+  }
   while (!stack.empty()) {
     const Entry entry = stack.back();
     stack.pop_back();
@@ -39,6 +46,22 @@ FrustumWalkStats appendInFrustum(const WideBvh& bvh, const FrustumTest& frustum,
     }
   }
   return stats;
+}
+
+std::uint32_t countInFrustum(const WideBvh& bvh, const FrustumTest& frustum, std::uint32_t index,
+                             PlaneMask planes) {
+  if (planes == 0) return bvh.countObjects(index);
+  const WideNode& node = bvh.node(index);
+  const LaneVerdicts verdicts = frustum.test(node, planes);
+  std::uint32_t count = 0;
+  for (std::uint32_t lanes = verdicts.may_intersect; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const ChildRef child = node.child[lane];
+    count += child.isObject()
+                 ? 1
+                 : countInFrustum(bvh, frustum, child.nodeIndex(), verdicts.planesLeft(lane));
+  }
+  return count;
 }
 
 void sortIds(std::vector<ObjectId>& ids, std::size_t limit) {

@@ -21,6 +21,11 @@ struct FrustumWalkStats {
 FrustumWalkStats appendInFrustum(const WideBvh& bvh, const FrustumTest& frustum,
                                  const Deadline& deadline, std::vector<ObjectId>& out);
 
+/// How many objects at and below a node appendInFrustum would find. `planes`: those still to be
+/// tested there.
+std::uint32_t countInFrustum(const WideBvh& bvh, const FrustumTest& frustum, std::uint32_t index,
+                             PlaneMask planes);
+
 /// Sorts distinct ids below `limit`. COST: O(n) where they are dense, O(n log n) where they are
 /// few.
 void sortIds(std::vector<ObjectId>& ids, std::size_t limit);

@@ -93,6 +93,16 @@ void WideBvh::appendObjects(std::uint32_t index, std::vector<ObjectId>& out) con
   }
 }
 
+std::uint32_t WideBvh::countObjects(std::uint32_t index) const {
+  const WideNode& node = nodes_[index];
+  std::uint32_t count = 0;
+  for (std::size_t l = 0; l < kWideLanes; ++l) {
+    if ((node.live >> l & 1U) == 0) continue;
+    count += node.child[l].isObject() ? 1 : countObjects(node.child[l].nodeIndex());
+  }
+  return count;
+}
+
 bool WideBvh::degraded() const noexcept {
   // Built trees use lanes / 7 nodes and are at most 11 deep (8^11 > 2^32).
   constexpr std::size_t kTooDeep = 48;

@@ -1,8 +1,9 @@
 // An 8-wide bounding volume hierarchy over the objects of a snapshot: one node is one call of an
-// 8-lane kernel. Lanes are always eight, whatever the SIMD width, so trees, answers and hashes do
-// not depend on the machine. Nodes are packed full at build time (after Garcia, Lopez, Leutenegger
-// 1998, "A greedy algorithm for bulk loading R-trees") with splits chosen by binned surface area,
-// and live in shared chunks: an edited tree shares every chunk that the edit did not touch.
+// 8-lane kernel. Few objects get the nodes and no hierarchy: a flat list, all of it roots. Lanes
+// are always eight, whatever the SIMD width, so trees, answers and hashes do not depend on the
+// machine. Nodes are packed full at build time (after Garcia, Lopez, Leutenegger 1998, "A greedy
+// algorithm for bulk loading R-trees") with splits chosen by binned surface area, and live in
+// shared chunks: an edited tree shares every chunk that the edit did not touch.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -62,8 +63,15 @@ class WideBvh {
   /// ERROR: kLimit: more objects than a ChildRef can name (2^31 - 1).
   static Result<void> fits(const SceneSnapshot& scene);
 
-  /// REQUIRES: fits(scene). Deterministic for any number of threads (0: as many as cores). COST:
-  /// O(n log n); 200 000 objects take well under 150 ms on two cores (docs/methods/frustum.md).
+  /// Scenes of at most this many objects are kept as a flat list (docs/methods/frustum.md).
+  static constexpr std::size_t kFewObjects = 256;
+
+  /// A flat list for few objects, else a hierarchy. REQUIRES: fits(scene). COST: as build.
+  static WideBvh of(const SceneSnapshot& scene);
+
+  /// A hierarchy, however few objects there are. REQUIRES: fits(scene). Deterministic for any
+  /// number of threads (0: as many as cores). COST: O(n log n); 200 000 objects take well under 150
+  /// ms on two cores (docs/methods/frustum.md).
   static WideBvh build(const SceneSnapshot& scene, std::size_t threads = 0);
 
   /// The tree of the next version of the scene. Shares all chunks that the edits did not touch.
@@ -71,11 +79,13 @@ class WideBvh {
   /// `changed`. COST: O(changed * depth) plus one pointer per chunk.
   WideBvh edited(const SceneSnapshot& next, std::span<const ObjectId> changed) const;
 
-  /// True if there is no node, not even the root: no object has a lane.
+  /// True if there is no node, not even a root: no object has a lane.
   bool empty() const noexcept { return nodes_.size() == 0; }
+  /// Walks begin at nodes [0, rootCount()): one in a hierarchy, all of them in a flat list.
+  std::size_t rootCount() const noexcept { return flat_ ? nodes_.size() : empty() ? 0 : 1; }
   const WideNode& node(std::uint32_t index) const noexcept { return nodes_[index]; }
   std::size_t nodeCount() const noexcept { return nodes_.size(); }  ///< unused ones too
-  /// 8 * node + lane where the object lives, or kNoLane.
+  /// 8 * node + lane where the object lives, or kNoLane. REQUIRES: a hierarchy.
   std::uint32_t laneOf(ObjectId id) const noexcept { return lane_of_[id]; }
   std::size_t liveObjects() const noexcept { return live_objects_; }
   /// Active objects without a bound: part of every answer. Ascending.
@@ -83,6 +93,8 @@ class WideBvh {
 
   /// Appends every live object at and below `index`, in no particular order.
   void appendObjects(std::uint32_t index, std::vector<ObjectId>& out) const;
+  /// How many that would be.
+  std::uint32_t countObjects(std::uint32_t index) const;
 
   /// Edits make the tree looser and deeper, never wrong. True once a rebuild would pay.
   bool degraded() const noexcept;
@@ -100,6 +112,7 @@ class WideBvh {
   ChunkedArray<std::uint32_t> lane_of_;
   std::vector<ObjectId> always_kept_;
   std::vector<std::uint32_t> free_nodes_;
+  bool flat_ = false;
   std::size_t live_objects_ = 0;
   std::size_t lanes_taken_ = 0;  ///< objects with a lane, hidden ones too
   std::size_t edits_since_build_ = 0;

@@ -124,6 +124,24 @@ class WideBvhBuilder {
   WideBvhBuilder(const SceneSnapshot& scene, std::size_t threads)
       : scene_(scene), threads_(threads) {}
 
+  WideBvh runFlat() {
+    WideBvh bvh;
+    bvh.flat_ = true;
+    collect(bvh);
+    std::erase_if(items_, [this](const Item& item) { return !scene_.instance(item.id).active(); });
+    bvh.lanes_taken_ = bvh.live_objects_ = items_.size();
+    std::vector<std::span<Item>> groups;
+    if (!items_.empty()) divide(items_, kWideLanes, groups);
+    for (const std::span<Item> group : groups) {
+      WideNode node = emptyNode(WideBvh::kNoLane);
+      for (std::size_t l = 0; l < group.size(); ++l) node.child[l] = ChildRef::object(group[l].id);
+      fitNode(node, scene_, [&node](std::uint32_t) -> const WideNode& { return node; });
+      bvh.nodes_.push_back(node);
+    }
+    bvh.nodes_.shrinkToFit();
+    return bvh;
+  }
+
   WideBvh run() {
     WideBvh bvh;
     collect(bvh);
@@ -268,6 +286,11 @@ class WideBvhBuilder {
   std::vector<WideNode> nodes_;
   std::vector<std::uint32_t> lane_of_;
 };
+
+WideBvh WideBvh::of(const SceneSnapshot& scene) {
+  if (scene.objectCount() > kFewObjects) return build(scene);
+  return WideBvhBuilder(scene, 1).runFlat();
+}
 
 WideBvh WideBvh::build(const SceneSnapshot& scene, std::size_t threads) {
   return WideBvhBuilder(scene, threads).run();

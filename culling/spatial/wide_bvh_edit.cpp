@@ -247,6 +247,7 @@ class WideBvhEditor {
 };
 
 WideBvh WideBvh::edited(const SceneSnapshot& next, std::span<const ObjectId> changed) const {
+  if (flat_) return of(next);
   // An edit costs about as much as building 20 objects.
   if (degraded() || (changed.size() > 1024 && changed.size() * 20 > next.objectCount())) {
     return build(next);

@@ -9,13 +9,10 @@
 
 #include "culling/core/simd.h"
 #include "culling/oracle/oracle.h"
-#include "culling/planner/auto_method.h"
-#include "culling/planner/scene_profile.h"
 
 namespace culld::cases {
 namespace {
 
-constexpr std::string_view kAuto = "auto";
 constexpr std::string_view kBoxesOnly = "frustum";  // leaves out what is not in the frustum, only
 
 struct Prepared {
@@ -25,10 +22,7 @@ struct Prepared {
 };
 
 Result<std::unique_ptr<Culler>> prepare(std::string_view name, const SnapshotPtr& scene) {
-  if (name != kAuto) return findMethod(name)->prepare(scene);
-  auto choice = chooseMethod(profileScene(*scene), allMethods());
-  if (!choice) return std::move(choice).error();
-  return choice.value().method->prepare(scene);
+  return findMethod(name)->prepare(scene);
 }
 
 std::vector<ObjectId> without(const std::vector<ObjectId>& these,
@@ -124,7 +118,8 @@ class Runner {
       if (auto forced = forceSimdTarget(target); !forced) {
         fault(method.name, forced.error().message);
       }
-      Answer answer = method.culler->cull(camera, {}, method.view);
+      ViewState fresh;  // what `auto` answers may hang on what a view has seen before
+      Answer answer = method.culler->cull(camera, {}, fresh);
       if (target == targets.front()) {
         first = std::move(answer);
       } else if (answer.visible != first.visible || answer.seen != first.seen) {
@@ -252,7 +247,6 @@ double depthSlackUlps(const Family& family, double value, std::uint64_t seed,
 std::vector<std::string> methodNames() {
   std::vector<std::string> names;
   for (const Method* method : allMethods()) names.emplace_back(method->info().name);
-  names.emplace_back(kAuto);
   return names;
 }
 

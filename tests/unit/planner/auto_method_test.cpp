@@ -2,86 +2,176 @@
 
 #include <gtest/gtest.h>
 
-namespace culld {
+#include <thread>
+
+#include "culling/planner/price.h"
+#include "culling/scene/edit.h"
+#include "culling/scene/scene_builder.h"
+#include "tests/unit/planner/counted_method.h"
+
+namespace culld::testing {
 namespace {
 
-/// A method that only says what it is; the planner must look at nothing else.
-class NamedMethod final : public Method {
- public:
-  NamedMethod(std::string_view name, std::string_view needs,
-              Guarantee guarantee = Guarantee::kConservative, std::string refusal = "")
-      : info_{name, "nobody", guarantee, needs}, refusal_(std::move(refusal)) {}
-  MethodInfo info() const noexcept override { return info_; }
-  Result<void> accepts(const SceneProfile&) const override {
-    if (refusal_.empty()) return Done{};
-    return Error{ErrorCode::kUnsupported, refusal_};
+using std::chrono::microseconds;
+using std::chrono::nanoseconds;
+
+/// A row of `count` triangles along x; `blocks`: do they hide anything?
+SnapshotPtr row(std::uint32_t count, bool blocks = true) {
+  RawSurface surface;
+  surface.blocks = blocks;
+  surface.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  surface.indices = {0, 1, 2};
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({surface}));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    builder.addInstance(mesh, {1, 0, 0, static_cast<double>(i), 0, 1, 0, 0, 0, 0, 1, 0}, i);
   }
-  Result<std::unique_ptr<Culler>> prepare(SnapshotPtr, const Clock&) const override {
-    return Error{ErrorCode::kUnsupported, "planning must not prepare"};
-  }
-
- private:
-  MethodInfo info_;
-  std::string refusal_;
-};
-
-constexpr SceneProfile kCity{100000, 5000000, 4000000};
-
-TEST(AutoMethod, TakesTheMethodThatUsesTrianglesForALargeScene) {
-  const NamedMethod frustum("frustum", "boxes"), raster("raster", "triangles");
-  const Method* methods[] = {&frustum, &raster};
-  const auto choice = chooseMethod(kCity, methods);
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice.value().method, &raster);
-  EXPECT_EQ(choice.value().why, "raster: 100000 objects and 4000000 blocking triangles");
+  return builder.finish();
 }
 
-TEST(AutoMethod, TakesTheFrustumForFewObjects) {
-  const NamedMethod frustum("frustum", "boxes"), raster("raster", "triangles");
-  const Method* methods[] = {&raster, &frustum};
-  const auto choice = chooseMethod({255, 5000000, 4000000}, methods);
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice.value().method, &frustum);
-  EXPECT_EQ(choice.value().why, "frustum: 255 objects, fewer than 256: occluders cannot pay");
+Camera at(double x) {
+  LookAt look;
+  look.eye = {x, 0.5, 5.0};
+  look.target = {x, 0.5, 0.0};
+  return cameraFromLookAt(look, {}).value();
 }
 
-TEST(AutoMethod, TakesTheFrustumWhereNothingBlocks) {
-  const NamedMethod frustum("frustum", "boxes"), raster("raster", "triangles");
-  const Method* methods[] = {&raster, &frustum};
-  const auto choice = chooseMethod({100000, 5000000, 0}, methods);
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice.value().method, &frustum);
-  EXPECT_EQ(choice.value().why, "frustum: no blocking triangles: nothing can hide anything");
+constexpr std::uint32_t kObjects = 1000;
+
+/// Frustum culling of everything for 10 us.
+CountedMethod boxes() {
+  return {"frustum", "boxes", [](const Camera&) {
+            return CountedFrame{microseconds(10), kObjects, kObjects};
+          }};
 }
 
-TEST(AutoMethod, SaysWhyAMethodDeclinedTheScene) {
-  const NamedMethod frustum("frustum", "boxes");
-  const NamedMethod raster("raster", "triangles", Guarantee::kConservative, "too many triangles");
-  const Method* methods[] = {&frustum, &raster};
-  const auto choice = chooseMethod(kCity, methods);
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice.value().method, &frustum);
-  EXPECT_NE(choice.value().why.find("raster: too many triangles"), std::string::npos);
+/// An occlusion stage of 1 ms that hides `hidden` objects.
+CountedMethod hiding(std::uint32_t hidden) {
+  return {"hider", "triangles", [hidden](const Camera&) {
+            return CountedFrame{microseconds(1000), kObjects, kObjects - hidden};
+          }};
+}
+
+std::unique_ptr<Culler> prepared(std::span<const Method* const> stages, const SnapshotPtr& scene) {
+  auto culler = AutoMethod(stages).prepare(scene, steadyClock());
+  EXPECT_TRUE(culler.ok()) << culler.error().message;
+  return std::move(culler).value();
+}
+
+TEST(AutoMethod, UsesTheStageThatHidesMoreThanItCosts) {
+  const CountedMethod frustum = boxes(), hider = hiding(500);
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects));
+  EXPECT_TRUE(planOf(*culler)->occlusion_built);
+  ViewState view;
+  const Answer answer = culler->cull(at(0), {}, view);
+  EXPECT_EQ(answer.visible.size(), 500U);
+  EXPECT_EQ(answer.made_by, "hider");
+  EXPECT_TRUE(answer.note.empty());
+}
+
+TEST(AutoMethod, NeitherUsesNorKeepsAStageThatHidesNothing) {
+  const CountedMethod frustum = boxes(), hider = hiding(0);
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects));
+  EXPECT_EQ(hider.alive, 0);
+  EXPECT_EQ(culler->preparedBytes(), frustum.bytes);
+  ViewState view;
+  const Answer answer = culler->cull(at(0), {}, view);
+  EXPECT_EQ(answer.made_by, "frustum");
+  EXPECT_EQ(answer.note, "no occlusion: it does not pay here");
+  EXPECT_NE(planOf(*culler)->why.find("pays in 0 of 32 sampled views"), std::string::npos);
+}
+
+TEST(AutoMethod, PreparesNoStageWhereNothingBlocks) {
+  const CountedMethod frustum = boxes(), hider = hiding(500);
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects, false));
+  EXPECT_EQ(hider.prepared, 0);
+  EXPECT_EQ(planOf(*culler)->occlusion, nullptr);
+  EXPECT_EQ(planOf(*culler)->why, "nothing in the scene blocks a view");
 }
 
 TEST(AutoMethod, NeverTakesAMethodThatMayMiss) {
-  const NamedMethod frustum("frustum", "boxes");
-  const NamedMethod loose("loose", "triangles", Guarantee::kApproximate);
-  const NamedMethod sampled("sampled", "triangles", Guarantee::kSampled);
-  const Method* methods[] = {&loose, &sampled, &frustum};
-  const auto choice = chooseMethod(kCity, methods);
-  ASSERT_TRUE(choice.ok());
-  EXPECT_EQ(choice.value().method, &frustum);
+  const CountedMethod frustum = boxes();
+  CountedMethod loose = hiding(900), sampled = hiding(900);
+  loose.guarantee = Guarantee::kApproximate;
+  sampled.guarantee = Guarantee::kSampled;
+  const Method* stages[] = {&loose, &sampled, &frustum};
+  const auto culler = prepared(stages, row(kObjects));
+  ViewState view;
+  EXPECT_EQ(culler->cull(at(0), {}, view).visible.size(), kObjects);
+  EXPECT_EQ(loose.prepared + sampled.prepared, 0);
 }
 
-TEST(AutoMethod, IsAnErrorIfNoMethodIsLeft) {
-  const NamedMethod loose("loose", "boxes", Guarantee::kApproximate);
-  const Method* methods[] = {&loose};
-  const auto choice = chooseMethod(kCity, methods);
-  ASSERT_FALSE(choice.ok());
-  EXPECT_EQ(choice.error().code, ErrorCode::kUnsupported);
-  EXPECT_FALSE(chooseMethod(kCity, {}).ok());
+TEST(AutoMethod, GoesOnWithoutAStageThatDeclinesOrFails) {
+  const CountedMethod frustum = boxes();
+  CountedMethod declines = hiding(900), fails = hiding(900);
+  declines.refusal = "too many triangles";
+  fails.fails_to_prepare = true;
+  const Method* with_declined[] = {&frustum, &declines};
+  EXPECT_NE(planOf(*prepared(with_declined, row(kObjects)))->why.find("too many triangles"),
+            std::string::npos);
+  const Method* with_failed[] = {&frustum, &fails};
+  EXPECT_EQ(planOf(*prepared(with_failed, row(kObjects)))->why, "no memory");
+}
+
+TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
+  CountedMethod loose = boxes();
+  loose.guarantee = Guarantee::kApproximate;
+  const Method* stages[] = {&loose};
+  const AutoMethod method(stages);
+  EXPECT_FALSE(method.accepts({}).ok());
+  const auto culler = method.prepare(row(3), steadyClock());
+  ASSERT_FALSE(culler.ok());
+  EXPECT_EQ(culler.error().code, ErrorCode::kUnsupported);
+}
+
+TEST(AutoMethod, LeavesOcclusionOutOfARequestWithAMotionBound) {
+  const CountedMethod frustum = boxes(), hider = hiding(500);
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects));
+  Camera camera = at(0);
+  camera.motion.radius_m = 0.5;
+  ViewState view;
+  const Answer answer = culler->cull(camera, {}, view);
+  EXPECT_EQ(answer.made_by, "frustum");
+  EXPECT_EQ(answer.note, "no occlusion: a motion bound is asked for");
+}
+
+TEST(AutoMethod, AnswersEqualSequencesOfCamerasEqually) {
+  const CountedMethod
+      frustum = boxes(),
+      hider = {"hider", "triangles", [](const Camera&camera) {
+                 const bool dense = camera.origin_world.x < 500.0;
+                 return CountedFrame{microseconds(1000), kObjects, dense ? 100 : kObjects};
+               }};
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects));
+  ViewState first, second;
+  for (int i = 0; i < 3000; ++i) {
+    const Camera camera = at(500.0 + 499.0 * std::sin(i * 0.01));
+    ASSERT_EQ(culler->cull(camera, {}, first).visible, culler->cull(camera, {}, second).visible);
+  }
+}
+
+TEST(AutoMethod, RefitsWhatItHasBuiltAndKeepsItsPlan) {
+  const CountedMethod frustum = boxes(), hider = hiding(0), good = hiding(900);
+  SnapshotPtr scene = row(kObjects);
+  const auto edit = applyEdits(scene, std::vector<Edit>{HideObject{3}});
+  ASSERT_TRUE(edit.ok());
+  const Method* without[] = {&frustum, &hider};
+  const auto plain = prepared(without, scene);
+  const auto next = plain->edited(edit.value().snapshot, edit.value().changed);
+  ASSERT_TRUE(next.ok());
+  EXPECT_EQ(frustum.refitted, 1);
+  EXPECT_EQ(hider.refitted, 0);
+  EXPECT_EQ(planOf(*next.value()), planOf(*plain));
+  const Method* with[] = {&frustum, &good};
+  const auto both = prepared(with, scene);
+  ASSERT_TRUE(both->edited(edit.value().snapshot, edit.value().changed).ok());
+  EXPECT_EQ(good.refitted, 1);
 }
 
 }  // namespace
-}  // namespace culld
+}  // namespace culld::testing

@@ -1,0 +1,16 @@
+// Cameras in a scene that nobody described: what the planner looks through before a client does.
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "culling/core/camera.h"
+#include "culling/scene/scene_snapshot.h"
+
+namespace culld {
+
+/// Most stand beside an object, a little above its middle, and look along the ground or at another
+/// object; every fourth looks over the scene from outside. The same for the same scene on every
+/// machine. Empty if the scene has no object with a bound. y is up, as in glTF.
+std::vector<Camera> sampleViews(const SceneSnapshot& scene, std::size_t count);
+
+}  // namespace culld

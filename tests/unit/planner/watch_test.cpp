@@ -1,0 +1,151 @@
+#include "culling/planner/watch.h"
+
+#include <gtest/gtest.h>
+
+namespace culld {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::nanoseconds;
+
+constexpr nanoseconds kPrice = microseconds(50);
+constexpr WatchedFrame kFrustum{microseconds(10), 1000, 1000};
+constexpr WatchedFrame kUseless{microseconds(1000), 1000, 1000};
+constexpr WatchedFrame kUseful{microseconds(1000), 1000, 500};
+
+Camera at(double x) {
+  LookAt look;
+  look.eye = {x, 0.0, 0.0};
+  look.target = {x, 0.0, -1.0};
+  return cameraFromLookAt(look, {}).value();
+}
+
+PlannedView sampled(double x, nanoseconds gain) {
+  return {at(x), 1000, 500, microseconds(10), microseconds(1000), gain};
+}
+
+std::shared_ptr<const Plan> planWith(std::vector<PlannedView> views) {
+  Plan plan;
+  plan.object_price = kPrice;
+  plan.views = std::move(views);
+  return std::make_shared<const Plan>(std::move(plan));
+}
+
+std::shared_ptr<const Plan> goodPlan() { return planWith({sampled(0, microseconds(5000))}); }
+std::shared_ptr<const Plan> badPlan() { return planWith({sampled(0, -microseconds(1000))}); }
+
+/// `frames` frames of a view where the stage shows `with`; returns how many were made with it.
+int fly(Watch& watch, const Camera& camera, const WatchedFrame& with, int frames) {
+  int with_stage = 0;
+  for (int i = 0; i < frames; ++i) {
+    if (watch.wantsOcclusion(camera)) {
+      watch.sawOcclusion(with);
+      ++with_stage;
+    } else {
+      watch.sawFrustum(kFrustum);
+    }
+  }
+  return with_stage;
+}
+
+TEST(Watch, BeginsAsThePlanSays) {
+  EXPECT_TRUE(Watch(goodPlan()).wantsOcclusion(at(0)));
+  EXPECT_FALSE(Watch(badPlan()).wantsOcclusion(at(0)));
+  EXPECT_FALSE(Watch(planWith({})).wantsOcclusion(at(0)));
+}
+
+TEST(Watch, StaysOnWhileTheStagePays) {
+  Watch watch(goodPlan());
+  EXPECT_EQ(fly(watch, at(0), kUseful, 1000), 1000);
+  EXPECT_EQ(watch.switches(), 0U);
+}
+
+TEST(Watch, SwitchesOffAfterOneWastedFrameOnAFreshView) {
+  Watch watch(goodPlan());
+  EXPECT_EQ(fly(watch, at(0), kUseless, 100), 1);
+}
+
+TEST(Watch, ForgivesAFewWastedFramesAfterAGoodTimeAndNotMore) {
+  Watch watch(goodPlan());
+  fly(watch, at(0), kUseful, 100);
+  const int wasted = fly(watch, at(0), kUseless, 100);
+  EXPECT_GE(wasted, 2);
+  EXPECT_LE(wasted, 6);
+}
+
+TEST(Watch, DoesNotFlickerWhereTheStageAboutBreaksEven) {
+  Watch watch(goodPlan());
+  for (int i = 0; i < 2000; ++i) {
+    // 15 or 25 objects hidden for the price of 20.
+    const WatchedFrame even{microseconds(1000), 1000, i % 2 == 0 ? 975U : 985U};
+    if (watch.wantsOcclusion(at(0))) {
+      watch.sawOcclusion(even);
+    } else {
+      watch.sawFrustum(kFrustum);
+    }
+  }
+  EXPECT_LE(watch.switches(), 2U);
+}
+
+TEST(Watch, RetriesForAFewPerCentOfTheFrustumsWork) {
+  Watch watch(badPlan());
+  const int frames = 100'000;
+  const int with_stage = fly(watch, at(0), kUseless, frames);
+  EXPECT_GE(with_stage, 10);
+  EXPECT_LE(with_stage * kUseless.work, 0.035 * frames * kFrustum.work);
+  EXPECT_EQ(watch.retries(), static_cast<std::uint32_t>(with_stage));
+}
+
+TEST(Watch, RetriesSoonerOnceTheViewHasChanged) {
+  const auto framesToRetry = [](std::uint32_t in_frustum) {
+    Watch watch(badPlan());
+    fly(watch, at(0), kUseless, 20'000);
+    while (!watch.wantsOcclusion(at(0))) watch.sawFrustum(kFrustum);
+    watch.sawOcclusion(kUseless);
+    int frames = 0;
+    while (!watch.wantsOcclusion(at(0))) {
+      watch.sawFrustum({microseconds(10), in_frustum, in_frustum});
+      ++frames;
+    }
+    return frames;
+  };
+  EXPECT_LT(framesToRetry(3000) * 3, framesToRetry(1000));
+}
+
+TEST(Watch, NeverRetriesWhereEvenHidingEverythingCouldNotPay) {
+  Watch watch(badPlan());
+  for (int i = 0; i < 100'000; ++i) {
+    ASSERT_FALSE(watch.wantsOcclusion(at(0)));
+    watch.sawFrustum({microseconds(10), 15, 15});
+  }
+}
+
+TEST(Watch, SwitchesOnAgainWhenARetryPays) {
+  Watch watch(badPlan());
+  const int frames = 20'000;
+  EXPECT_GT(fly(watch, at(0), kUseful, frames), frames / 2);
+  EXPECT_EQ(watch.retries(), 1U);
+}
+
+TEST(Watch, KnowsPlacesApart) {
+  Watch watch(planWith({sampled(0, microseconds(5000)), sampled(100, microseconds(-6000)),
+                        sampled(200, microseconds(5000))}));
+  EXPECT_TRUE(watch.wantsOcclusion(at(10)));
+  watch.sawOcclusion(kUseful);
+  EXPECT_FALSE(watch.wantsOcclusion(at(110)));
+  watch.sawFrustum(kFrustum);
+  EXPECT_TRUE(watch.wantsOcclusion(at(190)));
+  watch.sawOcclusion(kUseless);
+  EXPECT_FALSE(watch.wantsOcclusion(at(190)));  // off here
+  watch.sawFrustum(kFrustum);
+  EXPECT_TRUE(watch.wantsOcclusion(at(10)));  // and still on there
+}
+
+TEST(Watch, CountsAFrameCutShortAsNoGainItCannotProve) {
+  Watch watch(goodPlan());
+  const WatchedFrame cut{microseconds(1000), 0, 1000};
+  EXPECT_LE(fly(watch, at(0), cut, 100), 2);
+}
+
+}  // namespace
+}  // namespace culld
