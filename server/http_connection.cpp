@@ -75,18 +75,18 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     context_.workers.post([self = shared_from_this()]() mutable {
       Context& context = self->context_;
       auto made = std::make_shared<HttpReply>(
-          guarded([&] { return handleRequest(self->method_, self->route_, context); }));
+          self->guarded([&] { return handleRequest(self->method_, self->route_, context); }));
       context.onIoThread([self = std::move(self), made] { self->reply(std::move(*made)); });
     });
   }
 
   /// Out of memory, say: this request fails, the daemon goes on.
   template <typename Work>
-  static HttpReply guarded(Work&& work) {
+  HttpReply guarded(Work&& work) const {
     try {
       return work();
     } catch (const std::exception& failure) {
-      return errorReply(500, failure.what());
+      return errorReply(500, inScene(failure.what()));
     }
   }
 
@@ -122,6 +122,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::string inScene(const std::string& what) const {
     return route_.scene.empty() ? what : "scene \"" + route_.scene + "\": " + what;
   }
+  Error inScene(const Error& error) const { return {error.code, inScene(error.message)}; }
 
   // --- upgrade -----------------------------------------------------------------------------------
 
@@ -186,7 +187,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       return refuseBody(errorReply(503, inScene("the server is still loading scenes")));
     }
     auto upload = context_.store.beginUpload();
-    if (!upload) return refuseBody(errorReply(upload.error()));
+    if (!upload) return refuseBody(errorReply(inScene(upload.error())));
     upload_.emplace(std::move(upload).value());
     upload_started_ = context_.clock.now();
     const bool waits = beast::iequals(header_->get()[http::field::expect], "100-continue");
@@ -225,7 +226,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     const std::size_t got = part_->size() - body_->get().body().size;
     if (auto written = upload_->append({part_->data(), got}); !written) {
-      return refuseBody(errorReply(written.error()));
+      return refuseBody(errorReply(inScene(written.error())));
     }
     const auto seconds =
         std::chrono::duration<double>(context_.clock.now() - upload_started_).count() -
@@ -246,7 +247,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.expires_never();
     context_.loaders.post([self = shared_from_this()]() mutable {
       Context& context = self->context_;
-      auto made = std::make_shared<HttpReply>(guarded(
+      auto made = std::make_shared<HttpReply>(self->guarded(
           [&] { return finishPut(self->route_.scene, std::move(*self->upload_), context); }));
       context.onIoThread([self = std::move(self), made] {
         self->upload_.reset();

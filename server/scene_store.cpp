@@ -54,7 +54,9 @@ Result<bool> SceneStore::finishUpload(const std::string& name, Upload upload) {
     return Error{ErrorCode::kUnavailable, "scene \"" + name + "\": " + std::to_string(max_scenes_) +
                                               " scenes are held, and no more are taken"};
   }
-  if (auto kept = files_->commit(upload, name); !kept) return kept.error();
+  if (auto kept = files_->commit(upload, name); !kept) {
+    return Error{kept.error().code, "scene \"" + name + "\": " + kept.error().message};
+  }
   return serve(name, std::move(snapshot).value(), upload.size());
 }
 

@@ -122,8 +122,8 @@ for _ in $(seq 300); do
   sleep 0.1
 done
 grep -q 'at most 16 connections' "$work/log" || die "does not say how many connections it takes"
-python3 - "$work/sock" <<'END' || die "a flood of connections"
-import select, socket, sys, time
+python3 - "$work/sock" "$bin/cullctl" <<'END' || die "a flood of connections"
+import select, socket, subprocess, sys, time
 def ask(path):
     s = socket.socket(socket.AF_UNIX)
     s.settimeout(10)
@@ -139,6 +139,9 @@ while refused < 184 and time.monotonic() < until:
         waiting.remove(s)
         refused += 1
 assert refused == 184, refused
+late = subprocess.run([sys.argv[2], "list", "--connect", "unix:" + sys.argv[1]], capture_output=True, text=True)
+assert late.returncode == 69, late
+assert late.stderr.startswith("cullctl: unix:" + sys.argv[1] + ": too many connections: 16 are open"), late
 for s in held:
     s.close()
 until = time.monotonic() + 10
