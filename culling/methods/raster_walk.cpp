@@ -115,11 +115,7 @@ bool RasterWalk::worthDrawing(const RasterItem& item) const {
   const std::uint64_t cells = width * height;
   const Mesh& mesh = scene_.mesh(scene_.instance(item.ref.objectId()).mesh);
   if (mesh.positions.size() > kVerticesPerCell * cells) return false;
-  std::uint64_t triangles = 0;
-  for (const Surface& surface : mesh.surfaces) {
-    if (surface.blocks) triangles += surface.triangle_count;
-  }
-  return triangles != 0 && triangles <= kTrianglesPerCell * cells;
+  return mesh.blocking_triangles != 0 && mesh.blocking_triangles <= kTrianglesPerCell * cells;
 }
 
 /// False if time ran out on the way.

@@ -29,10 +29,9 @@ inline RowMask maskOf(Row d, std::uint64_t bits) {
   return hn::LoadMaskBits(d, bytes);
 }
 
-std::uint64_t AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
+void AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-  std::uint64_t filled = 0;
   for (std::uint32_t first = 0; first < 8; first += lanes) {
     const RowVec column = hn::Iota(d, static_cast<float>(first));
     const std::uint64_t lane_bits = (std::uint64_t{1} << lanes) - 1;
@@ -60,13 +59,11 @@ std::uint64_t AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* near
       sheet.sampled |= (sampled & touched) << cell;
       const std::uint64_t full = inside & touched;
       if (full == 0) continue;
-      filled |= full << cell;
       const RowVec old_near = hn::LoadU(d, nearness + cell);
       hn::StoreU(hn::IfThenElse(maskOf(d, full), hn::Max(old_near, depth), old_near), d,
                  nearness + cell);
     }
   }
-  return filled;
 }
 
 float RaiseCells(std::uint64_t covered, const float* farthest, float* nearness) {
@@ -105,8 +102,8 @@ HWY_EXPORT(AddTriangle);
 HWY_EXPORT(RaiseCells);
 HWY_EXPORT(CellsNearerThan);
 
-std::uint64_t addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness) {
-  return HWY_DYNAMIC_DISPATCH(AddTriangle)(triangle, sheet, nearness);
+void addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness) {
+  HWY_DYNAMIC_DISPATCH(AddTriangle)(triangle, sheet, nearness);
 }
 
 float raiseCells(std::uint64_t covered, const float* farthest, float* nearness) {

@@ -40,10 +40,8 @@ struct SheetBlock {
 };
 
 /// Adds the triangle to the sheet, and to `nearness` (64 cells) where it alone fills a cell.
-/// Returns the mask of cells that it fills alone.
-std::uint64_t addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness);
-std::uint64_t addTriangleReference(const BlockTriangle& triangle, SheetBlock& sheet,
-                                   float* nearness);
+void addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness);
+void addTriangleReference(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness);
 
 /// Raises the cells of `covered` to the sheet's farthest nearness; returns the block's least
 /// nearness.

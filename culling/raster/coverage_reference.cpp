@@ -5,8 +5,7 @@
 
 namespace culld {
 
-std::uint64_t addTriangleReference(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
-  std::uint64_t filled = 0;
+void addTriangleReference(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
   for (std::uint32_t j = 0; j < 8; ++j) {
     for (std::uint32_t i = 0; i < 8; ++i) {
       bool inside = true, touched = true, sampled = true, rim = false;
@@ -28,11 +27,9 @@ std::uint64_t addTriangleReference(const BlockTriangle& t, SheetBlock& sheet, fl
       if (rim) sheet.rim |= bit;
       if (sampled) sheet.sampled |= bit;
       if (!inside) continue;
-      filled |= bit;
       nearness[cell] = std::max(nearness[cell], depth);
     }
   }
-  return filled;
 }
 
 float raiseCellsReference(std::uint64_t covered, const float* farthest, float* nearness) {

@@ -83,15 +83,18 @@ void SheetRasterizer::transform(const SheetObject& object, const CellView& view,
 
 void SheetRasterizer::orient(const SheetObject& object, double front_sign) {
   orientation_.assign(object.triangles.size(), 0);
+  oriented_.clear();
   for (const SheetSurface& surface : object.surfaces) {
     for (std::uint32_t i = 0; i < surface.triangle_count; ++i) {
       if (!mayGoOn(1)) return;
       const std::uint32_t t = surface.first_triangle + i;
       const auto& corner = object.triangles[t];
-      const int sign = certainOrientation(vertices_[corner[0]], vertices_[corner[1]],
-                                          vertices_[corner[2]], error_, grid_);
-      if (surface.double_sided || sign * front_sign > 0.0)
-        orientation_[t] = static_cast<std::int8_t>(sign);
+      const int wanted = surface.double_sided ? 0 : (front_sign > 0.0 ? 1 : -1);
+      const OrientedTriangle oriented = orientTriangle(vertices_[corner[0]], vertices_[corner[1]],
+                                                       vertices_[corner[2]], error_, grid_, wanted);
+      if (oriented.orientation == 0) continue;
+      orientation_[t] = static_cast<std::int8_t>(oriented.orientation);
+      oriented_.push_back(oriented);
     }
   }
 }
@@ -155,16 +158,15 @@ void SheetRasterizer::drawBlock(const TriangleBlocks& blocks, std::uint32_t bloc
 }
 
 void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t triangle,
-                                   DepthCells& cells) {
+                                   const OrientedTriangle& oriented, DepthCells& cells) {
   const auto& corner = object.triangles[triangle];
-  const int sign = orientation_[triangle];
-  const ProjectedTriangle projected = projectTriangle(vertices_[corner[0]], vertices_[corner[1]],
-                                                      vertices_[corner[2]], error_, grid_, sign);
+  const ProjectedTriangle projected = projectTriangle(
+      vertices_[corner[0]], vertices_[corner[1]], vertices_[corner[2]], error_, grid_, oriented);
   if (!projected.on_grid) return;
   std::uint32_t net_edges = 0;
   for (std::uint32_t e = 0; e < 3; ++e) {
     const std::uint32_t partner = object.partners[3 * triangle + e];
-    const bool inner = partner != kNoPartner && orientation_[partner / 3] == sign;
+    const bool inner = partner != kNoPartner && orientation_[partner / 3] == oriented.orientation;
     if (!inner) net_edges |= 1U << e;
   }
   const TriangleBlocks blocks(projected, net_edges);
@@ -207,7 +209,7 @@ std::uint32_t SheetRasterizer::drawTriangles(const SheetObject& object, DepthCel
     for (std::uint32_t i = 0; i < surface.triangle_count && !stopped_; ++i) {
       const std::uint32_t t = surface.first_triangle + i;
       if (orientation_[t] == 0) continue;
-      drawTriangle(object, t, cells);
+      drawTriangle(object, t, oriented_[drawn], cells);
       ++drawn;
     }
   }
@@ -239,6 +241,7 @@ DrawnSheet SheetRasterizer::draw(const SheetObject& object, const CellView& view
 
 std::size_t SheetRasterizer::bytes() const noexcept {
   return vertices_.capacity() * sizeof(CellVertex) + orientation_.capacity() +
+         oriented_.capacity() * sizeof(OrientedTriangle) +
          slot_of_block_.capacity() * sizeof(std::uint32_t) +
          blocks_.capacity() * sizeof(SheetBlock) + touched_.capacity() * sizeof(std::uint32_t);
 }

@@ -54,7 +54,8 @@ class SheetRasterizer {
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
   void orient(const SheetObject& object, double front_sign);
   std::uint32_t drawTriangles(const SheetObject& object, DepthCells& cells);
-  void drawTriangle(const SheetObject& object, std::uint32_t triangle, DepthCells& cells);
+  void drawTriangle(const SheetObject& object, std::uint32_t triangle,
+                    const OrientedTriangle& oriented, DepthCells& cells);
   void drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x, std::uint32_t block_y,
                  float nearest, DepthCells& cells);
   void fillBlock(std::uint32_t block, float farthest, DepthCells& cells);
@@ -72,8 +73,9 @@ class SheetRasterizer {
   GridSize grid_{};
   CellVertexError error_;
   std::vector<CellVertex> vertices_;
-  std::vector<std::int8_t> orientation_;  ///< per triangle: 0 = not part of the sheet
-  std::vector<std::uint32_t> touched_;    ///< blocks of this object, in the order of their slots
+  std::vector<std::int8_t> orientation_;    ///< per triangle: 0 = not part of the sheet
+  std::vector<OrientedTriangle> oriented_;  ///< of those in the sheet, in order
+  std::vector<std::uint32_t> touched_;      ///< blocks of this object, in the order of their slots
   std::vector<std::uint32_t> slot_of_block_;
   std::vector<SheetBlock> blocks_;  ///< by slot
   BlockTriangle part_;

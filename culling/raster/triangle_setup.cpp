@@ -10,23 +10,19 @@ namespace {
 constexpr double kUnit = 0x1p-53;  ///< half an ulp of 1
 constexpr double kTiny = 1e-280;   ///< below this, underflow could exceed the error bounds
 
-/// Cross product of two vertices: the line through them, unscaled, and bounds on its errors.
-struct RawLine {
-  double a, b, c;
-  double error_a, error_b, error_c;
-  double gridError(const GridSize& g) const {
-    return error_a * g.width + error_b * g.height + error_c;
-  }
-  double gridMax(const GridSize& g) const {
-    return std::abs(a) * g.width + std::abs(b) * g.height + std::abs(c);
-  }
-};
+double gridError(const EdgeLine& line, const GridSize& g) {
+  return line.error_a * g.width + line.error_b * g.height + line.error_c;
+}
 
-RawLine lineThrough(const CellVertex& p, const CellVertex& q, const CellVertexError& e) {
+double gridMax(const EdgeLine& line, const GridSize& g) {
+  return std::abs(line.a) * g.width + std::abs(line.b) * g.height + std::abs(line.c);
+}
+
+EdgeLine lineThrough(const CellVertex& p, const CellVertex& q, const CellVertexError& e) {
   const double mu = std::max(std::abs(p.u), std::abs(q.u)) + e.u;
   const double mv = std::max(std::abs(p.v), std::abs(q.v)) + e.v;
   const double mw = std::max(std::abs(p.w), std::abs(q.w)) + e.w;
-  RawLine line;
+  EdgeLine line;
   line.a = p.v * q.w - p.w * q.v;
   line.b = p.w * q.u - p.u * q.w;
   line.c = p.u * q.v - p.v * q.u;
@@ -40,7 +36,7 @@ struct Determinant {
   double value, error;
 };
 
-Determinant determinant(const CellVertex& p, const RawLine& qr, const CellVertexError& e) {
+Determinant determinant(const CellVertex& p, const EdgeLine& qr, const CellVertexError& e) {
   const double value = p.u * qr.a + p.v * qr.b + p.w * qr.c;
   const double terms = std::abs(p.u * qr.a) + std::abs(p.v * qr.b) + std::abs(p.w * qr.c);
   const double from_line =
@@ -68,7 +64,7 @@ struct Combined {
   double a, b, c, error;
 };
 
-Combined combine(const std::array<RawLine, 3>& opposite, const std::array<double, 3>& k,
+Combined combine(const std::array<EdgeLine, 3>& opposite, const std::array<double, 3>& k,
                  double k_error, const GridSize& g) {
   Combined sum{0.0, 0.0, 0.0, 0.0};
   double terms = 0.0;
@@ -76,16 +72,16 @@ Combined combine(const std::array<RawLine, 3>& opposite, const std::array<double
     sum.a += opposite[i].a * k[i];
     sum.b += opposite[i].b * k[i];
     sum.c += opposite[i].c * k[i];
-    terms += opposite[i].gridMax(g) * std::abs(k[i]);
+    terms += gridMax(opposite[i], g) * std::abs(k[i]);
     sum.error +=
-        opposite[i].gridError(g) * (std::abs(k[i]) + k_error) + opposite[i].gridMax(g) * k_error;
+        gridError(opposite[i], g) * (std::abs(k[i]) + k_error) + gridMax(opposite[i], g) * k_error;
   }
   sum.error = 1.01 * sum.error + 8.0 * kUnit * terms;
   return sum;
 }
 
 void setDepth(ProjectedTriangle& t, const std::array<const CellVertex*, 3>& vertex,
-              const std::array<RawLine, 3>& opposite, const Determinant& det,
+              const std::array<EdgeLine, 3>& opposite, const Determinant& det,
               const CellVertexError& e, const GridSize& g) {
   double floor = std::numeric_limits<double>::infinity();
   for (const CellVertex* p : vertex) {
@@ -112,7 +108,7 @@ void setDepth(ProjectedTriangle& t, const std::array<const CellVertex*, 3>& vert
   t.depth_c = c - loss;
 }
 
-void addCut(ProjectedTriangle& t, const std::array<RawLine, 3>& opposite,
+void addCut(ProjectedTriangle& t, const std::array<EdgeLine, 3>& opposite,
             const std::array<double, 3>& k, double k_error, const GridSize& g, int orientation) {
   if (std::min({k[0], k[1], k[2]}) > 2.0 * k_error) return;  // wholly on the visible side
   const Combined sum = combine(opposite, k, k_error, g);
@@ -161,41 +157,49 @@ void setCells(ProjectedTriangle& t, const std::array<const CellVertex*, 3>& vert
 
 }  // namespace
 
-int certainOrientation(const CellVertex& p, const CellVertex& q, const CellVertex& r,
-                       const CellVertexError& error, const GridSize& grid) noexcept {
-  const RawLine qr = lineThrough(q, r, error);
-  const Determinant det = determinant(p, qr, error);
+OrientedTriangle orientTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                                const CellVertexError& error, const GridSize& grid,
+                                int wanted) noexcept {
+  OrientedTriangle out;
+  out.qr = lineThrough(q, r, error);
+  const Determinant det = determinant(p, out.qr, error);
   const double size = std::abs(det.value);
   // Both bounds fail for NaN and infinity: such a triangle is not used.
-  if (!(size > det.error + kTiny) || !(size < 1e280)) return 0;
+  if (!(size > det.error + kTiny) || !(size < 1e280)) return out;
+  const int sign = det.value > 0.0 ? 1 : -1;
+  if (wanted != 0 && sign != wanted) return out;
   for (const CellVertex* a : {&p, &q, &r}) {
     if (!(std::abs(a->n) < 1e280 && std::abs(a->near_cut) < 1e280 &&
           std::abs(a->far_cut) < 1e280)) {
-      return 0;
+      return out;
     }
   }
-  const RawLine rp = lineThrough(r, p, error), pq = lineThrough(p, q, error);
-  const double reach = qr.gridMax(grid) + rp.gridMax(grid) + pq.gridMax(grid);
-  if (!(reach < 1e280)) return 0;
-  return det.value > 0.0 ? 1 : -1;
+  out.rp = lineThrough(r, p, error);
+  out.pq = lineThrough(p, q, error);
+  const double reach = gridMax(out.qr, grid) + gridMax(out.rp, grid) + gridMax(out.pq, grid);
+  if (!(reach < 1e280)) return out;
+  out.determinant = det.value;
+  out.determinant_error = det.error;
+  out.orientation = sign;
+  return out;
 }
 
 ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
                                   const CellVertexError& error, const GridSize& grid,
-                                  int orientation) noexcept {
+                                  const OrientedTriangle& oriented) noexcept {
   ProjectedTriangle t;
   const std::array<const CellVertex*, 3> vertex{&p, &q, &r};
   setCells(t, vertex, error, grid);
   if (!t.on_grid) return t;
-  const RawLine pq = lineThrough(p, q, error), qr = lineThrough(q, r, error),
-                rp = lineThrough(r, p, error);
-  const std::array<RawLine, 3> edges{pq, qr, rp};
+  const int orientation = oriented.orientation;
+  const std::array<EdgeLine, 3> edges{oriented.pq, oriented.qr, oriented.rp};
   for (std::size_t e = 0; e < 3; ++e) {
     t.sides[e] =
-        sideLine(edges[e].a, edges[e].b, edges[e].c, edges[e].gridError(grid), grid, orientation);
+        sideLine(edges[e].a, edges[e].b, edges[e].c, gridError(edges[e], grid), grid, orientation);
   }
-  const std::array<RawLine, 3> opposite{qr, rp, pq};
-  setDepth(t, vertex, opposite, determinant(p, qr, error), error, grid);
+  const std::array<EdgeLine, 3> opposite{oriented.qr, oriented.rp, oriented.pq};
+  const Determinant det{oriented.determinant, oriented.determinant_error};
+  setDepth(t, vertex, opposite, det, error, grid);
   addCut(t, opposite, {p.near_cut, q.near_cut, r.near_cut}, error.near_cut, grid, orientation);
   addCut(t, opposite, {p.far_cut, q.far_cut, r.far_cut}, error.far_cut, grid, orientation);
   return t;

@@ -42,14 +42,32 @@ struct GridSize {
   double width, height;
 };
 
-/// +1 / -1: sign of the projected area, certain in spite of rounding; 0: not certain, or the
-/// numbers are out of range. COST: about 40 flops.
-int certainOrientation(const CellVertex& p, const CellVertex& q, const CellVertex& r,
-                       const CellVertexError& error, const GridSize& grid) noexcept;
+/// Cross product of two vertices, the line through them over the image, unscaled; and bounds on its
+/// errors.
+struct EdgeLine {
+  double a, b, c;
+  double error_a, error_b, error_c;
+};
 
-/// REQUIRES: certainOrientation(p, q, r, ...) == orientation != 0.
+/// Which way a triangle turns on the image, and what tells it: the same lines and determinant make
+/// the half-planes and the depth of those that are drawn.
+struct OrientedTriangle {
+  /// +1 / -1: sign of the projected area, certain in spite of rounding; 0: not certain, not asked
+  /// for, or the numbers are out of range. The lines are valid only where it is not 0.
+  int orientation = 0;
+  EdgeLine pq, qr, rp;
+  double determinant, determinant_error;
+};
+
+/// `wanted`: the only orientation asked for, +1 or -1; 0: both. COST: about 40 flops, 100 for a
+/// triangle that is oriented as wanted.
+OrientedTriangle orientTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                                const CellVertexError& error, const GridSize& grid,
+                                int wanted) noexcept;
+
+/// REQUIRES: `oriented` made from the same arguments, its orientation not 0.
 ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
                                   const CellVertexError& error, const GridSize& grid,
-                                  int orientation) noexcept;
+                                  const OrientedTriangle& oriented) noexcept;
 
 }  // namespace culld

@@ -242,6 +242,7 @@ Mesh makeMesh(const std::vector<RawSurface>& surfaces) {
     mesh.non_finite_vertices = welder.nonFiniteUsed();
   }
   mesh.unbounded = mesh.non_finite_vertices > 0;
+  for (const Surface& s : mesh.surfaces) mesh.blocking_triangles += s.blocks ? s.triangle_count : 0;
   EdgePairing(mesh).run();
   for (const glm::vec3& p : mesh.positions) mesh.bounds.grow(glm::dvec3(p));
   mesh.positions.shrink_to_fit();

@@ -33,8 +33,9 @@ struct Mesh {
   /// half-edge that runs the other way along the same edge of this mesh, or kOpenEdge. Each
   /// half-edge has at most one partner; where more than two meet, some stay open.
   std::vector<std::uint32_t> partners;
-  std::vector<Surface> surfaces;  ///< cover [0, triangles.size()) in order
-  Box bounds;                     ///< of all kept triangles, of points and lines too
+  std::vector<Surface> surfaces;         ///< cover [0, triangles.size()) in order
+  Box bounds;                            ///< of all kept triangles, of points and lines too
+  std::uint32_t blocking_triangles = 0;  ///< of the surfaces that block
   std::uint32_t dropped_triangles = 0;
   std::uint32_t non_finite_vertices = 0;  ///< of those that a triangle uses
   std::uint32_t points_and_lines = 0;     ///< primitives that are seen and never block

@@ -136,9 +136,10 @@ class Attack {
 
 struct Drawn {
   SheetBlock sheet;
-  std::array<float, 64> nearness{};
-  std::uint64_t filled = 0;
+  std::uint64_t filled = 0;  ///< cells that the triangle fills alone
 };
+
+constexpr float kUntouched = -3.0e38F;  // below every nearness
 
 /// As the sheet rasterizer goes through the blocks.
 std::map<std::uint32_t, Drawn> drawBlocks(const ProjectedTriangle& t, std::uint32_t net_edges) {
@@ -155,7 +156,12 @@ std::map<std::uint32_t, Drawn> drawBlocks(const ProjectedTriangle& t, std::uint3
         drawn.filled = drawn.sheet.sampled = ~std::uint64_t{0};
         drawn.sheet.farthest.fill(triangle_blocks.farthest(x, y));
       } else if (triangle_blocks.part(x, y, part)) {
-        drawn.filled = addTriangle(part, drawn.sheet, drawn.nearness.data());
+        std::array<float, 64> nearness;
+        nearness.fill(kUntouched);
+        addTriangle(part, drawn.sheet, nearness.data());
+        for (std::size_t cell = 0; cell < 64; ++cell) {
+          if (nearness[cell] != kUntouched) drawn.filled |= std::uint64_t{1} << cell;
+        }
       } else {
         continue;
       }
@@ -175,12 +181,21 @@ CellRef cellOf(const Point& point) {
   return {v / 8 * kBlocks + u / 8, v % 8 * 8 + u % 8};
 }
 
+int orientation(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                const CellVertexError& error) {
+  return orientTriangle(p, q, r, error, kGrid, 0).orientation;
+}
+
 TEST(TriangleAttack, CertainOrientationIsTheTrueOne) {
   Attack attack(1);
   int certain = 0;
   for (int round = 0; round < 30000; ++round) {
     attack.next();
-    const int sign = certainOrientation(attack.p, attack.q, attack.r, attack.error, kGrid);
+    const int sign = orientation(attack.p, attack.q, attack.r, attack.error);
+    for (const int wanted : {-1, 1}) {
+      const auto asked = orientTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, wanted);
+      ASSERT_EQ(asked.orientation, sign == wanted ? wanted : 0) << "round " << round;
+    }
     if (sign == 0) continue;
     ++certain;
     ASSERT_GT(attack.determinant() * Quad(sign), Quad(0)) << "round " << round;
@@ -193,9 +208,10 @@ TEST(TriangleAttack, EveryPointOfTheTriangleIsTouchedAndNoNearerThanStored) {
   int points = 0;
   for (int round = 0; round < 60000; ++round) {
     attack.next();
-    const int sign = certainOrientation(attack.p, attack.q, attack.r, attack.error, kGrid);
-    if (sign == 0) continue;
-    const auto t = projectTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, sign);
+    const OrientedTriangle oriented =
+        orientTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, 0);
+    if (oriented.orientation == 0) continue;
+    const auto t = projectTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, oriented);
     const auto blocks = drawBlocks(t, 7);
     for (int k = 0; k < 12; ++k) {
       Point point{};
@@ -221,9 +237,10 @@ TEST(TriangleAttack, FilledCellsAndSampledPointsAreInsideTheTriangle) {
   int filled = 0, sampled = 0;
   for (int round = 0; round < 3000; ++round) {
     attack.next();
-    const int sign = certainOrientation(attack.p, attack.q, attack.r, attack.error, kGrid);
-    if (sign == 0) continue;
-    const auto t = projectTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, sign);
+    const OrientedTriangle oriented =
+        orientTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, 0);
+    if (oriented.orientation == 0) continue;
+    const auto t = projectTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, oriented);
     for (const auto& [index, drawn] : drawBlocks(t, 0)) {
       for (std::uint32_t cell = 0; cell < 64; ++cell) {
         const Quad u = index % kBlocks * 8 + cell % 8, v = index / kBlocks * 8 + cell / 8;
@@ -248,12 +265,12 @@ TEST(TriangleAttack, NumbersOutOfRangeAreNotUsed) {
   const CellVertexError error{1e-9, 1e-9, 1e-9, 0, 1e-9, 1e-9};
   const CellVertex p{0, 0, 1, 1, 1, 1}, q{40, 0, 1, 1, 1, 1};
   for (double bad : {std::nan(""), 1e300, -1e300, HUGE_VAL}) {
-    EXPECT_EQ(certainOrientation(p, q, {bad, 40, 1, 1, 1, 1}, error, kGrid), 0);
-    EXPECT_EQ(certainOrientation(p, q, {10, 40, bad, 1, 1, 1}, error, kGrid), 0);
-    EXPECT_EQ(certainOrientation(p, q, {10, 40, 1, 1, bad, 1}, error, kGrid), 0);
+    EXPECT_EQ(orientation(p, q, {bad, 40, 1, 1, 1, 1}, error), 0);
+    EXPECT_EQ(orientation(p, q, {10, 40, bad, 1, 1, 1}, error), 0);
+    EXPECT_EQ(orientation(p, q, {10, 40, 1, 1, bad, 1}, error), 0);
   }
-  EXPECT_EQ(certainOrientation(p, q, {10, 40, 1, 1, 1, 1}, error, kGrid), 1);
-  EXPECT_EQ(certainOrientation(q, p, {10, 40, 1, 1, 1, 1}, error, kGrid), -1);
+  EXPECT_EQ(orientation(p, q, {10, 40, 1, 1, 1, 1}, error), 1);
+  EXPECT_EQ(orientation(q, p, {10, 40, 1, 1, 1, 1}, error), -1);
 }
 
 }  // namespace

@@ -137,6 +137,7 @@ TEST(Mesh, SurfacesCoverTheTrianglesInOrderAndAlikeNeighboursAreOne) {
   EXPECT_EQ(next, mesh.triangles.size());
   EXPECT_EQ(mesh.surfaces[0].triangle_count, 24U);
   EXPECT_FALSE(mesh.surfaces[1].blocks);
+  EXPECT_EQ(mesh.blocking_triangles, 36U);
   expectSoundPartners(mesh);
 }
 
