@@ -2,8 +2,8 @@
 // answer.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <random>
 
 #include "culling/scene/edit.h"
@@ -110,7 +110,11 @@ SnapshotPtr boxGrid(int side) {
 }
 
 TEST(Edits, OneAmong200000ShowsInTheNextAnswerWithinMilliseconds) {
-  using Clock = std::chrono::steady_clock;
+#ifdef NDEBUG
+  constexpr double kLimitMs = 5.0;
+#else
+  constexpr double kLimitMs = 100.0;  // assertions and sanitizers take their time
+#endif
   SnapshotPtr scene = boxGrid(59);  // 205 379 objects
   LookAt look;
   look.eye = {-10.0, 88.0, 88.0};
@@ -121,24 +125,24 @@ TEST(Edits, OneAmong200000ShowsInTheNextAnswerWithinMilliseconds) {
     const ObjectId object = method.culler->cull(camera, {}, method.view).visible.front();
     double best_ms = 1e9;
     for (int round = 0; round < 10; ++round) {
-      const auto start = Clock::now();
+      const std::clock_t start = std::clock();
       const Edit edit = round % 2 == 0 ? Edit(HideObject{object}) : Edit(ShowObject{object});
       auto edited = applyEdits(current, std::vector<Edit>{edit});
       ASSERT_TRUE(edited.ok());
       current = edited.value().snapshot;
       auto next = method.culler->edited(current, edited.value().changed);
       ASSERT_TRUE(next.ok());
-      const auto ready = Clock::now();
+      const std::clock_t ready = std::clock();
       method.culler = std::move(next).value();
-      best_ms = std::min(best_ms, std::chrono::duration<double, std::milli>(ready - start).count());
+      best_ms = std::min(best_ms, 1e3 * static_cast<double>(ready - start) / CLOCKS_PER_SEC);
       const Answer answer = method.culler->cull(camera, {}, method.view);
       const bool answered =
           std::binary_search(answer.visible.begin(), answer.visible.end(), object);
       EXPECT_EQ(answered, round % 2 != 0) << method.name;
     }
-    std::printf("%s: an edit among %zu objects takes %.3f ms\n", method.name.c_str(),
+    std::printf("%s: an edit among %zu objects takes %.3f ms of CPU time\n", method.name.c_str(),
                 scene->objectCount(), best_ms);
-    EXPECT_LT(best_ms, 5.0) << method.name;
+    EXPECT_LT(best_ms, kLimitMs) << method.name;
   }
 }
 
