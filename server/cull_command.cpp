@@ -15,9 +15,8 @@
 
 #include "culling/core/simd.h"
 #include "culling/culler.h"
-#include "culling/scene/gltf_loader.h"
 #include "protocol/answer_file.h"
-#include "protocol/camera_file.h"
+#include "server/command_inputs.h"
 #include "server/command_line.h"
 #include "server/scene.h"
 #include "server/translate.h"
@@ -81,52 +80,6 @@ Result<void> checkMethod(const std::string& name) {
   return invalidInput("method " + name + ": unknown; there are " + known);
 }
 
-Result<std::vector<Camera>> camerasOf(const Options& o) {
-  const auto read = protocol::readCameraFile(o.cameras, o.image);
-  if (!read) return invalidInput(read.error().message);
-  std::vector<Camera> cameras;
-  for (std::size_t i = 0; i < read.value().size(); ++i) {
-    auto camera = toEngine(read.value()[i]);
-    if (!camera) {
-      std::string what = camera.error().message;
-      if (what.rfind("camera: ", 0) == 0) what.erase(0, 8);
-      return invalidInput(o.cameras + ": camera " + std::to_string(i) + ": " + what);
-    }
-    cameras.push_back(camera.value());
-  }
-  return cameras;
-}
-
-/// A bar on the terminal while a scene loads; silent when stderr is a file or a pipe.
-class LoadingBar {
- public:
-  explicit LoadingBar(std::string what) : what_(std::move(what)), shown_(isatty(2) == 1) {}
-  ~LoadingBar() {
-    if (percent_ >= 0) std::fputs("\r\033[K", stderr);
-  }
-  void show(std::size_t done, std::size_t total) {
-    constexpr int kWidth = 40;
-    const int percent = total == 0 ? 100 : static_cast<int>(done * 100 / total);
-    if (!shown_ || percent <= percent_) return;
-    percent_ = percent;
-    const auto filled = static_cast<std::size_t>(percent * kWidth / 100);
-    const std::string bar = std::string(filled, '#') + std::string(kWidth - filled, '.');
-    std::fprintf(stderr, "\rloading %s [%s] %3d%%", what_.c_str(), bar.c_str(), percent);
-  }
-
- private:
-  std::string what_;
-  bool shown_;
-  int percent_ = -1;
-};
-
-Result<SnapshotPtr> load(const std::string& path) {
-  LoadingBar bar(path);
-  LoadOptions options;
-  options.progress = [&bar](std::size_t done, std::size_t total) { bar.show(done, total); };
-  return loadGltfFile(path, options);
-}
-
 std::vector<protocol::ObjectName> namesOf(const SceneSnapshot& scene) {
   std::vector<protocol::ObjectName> names(scene.objectCount());
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -177,9 +130,9 @@ int run(const Options& o) {
        {checkBackend(o.backend), forceSimdTarget(o.simd), checkMethod(o.method)}) {
     if (!checked) return fail(kUsage, checked.error().message);
   }
-  const auto cameras = camerasOf(o);
+  const auto cameras = readCameras(o.cameras, o.image);
   if (!cameras) return fail(kUsage, cameras.error().message);
-  const auto scene = load(o.scene);
+  const auto scene = loadScene(o.scene);
   if (!scene) return fail(kUsage, scene.error().message);
 
   const SceneVersion version(allMethods(), scene.value(), 1);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "culling/core/simd.h"
+#include "server/bench_command.h"
 #include "server/build_info.h"
 #include "server/command_line.h"
 #include "server/cull_command.h"
@@ -46,6 +47,9 @@ int run(int argc, char** argv) {
   CLI::App* cull = app.add_subcommand("cull", "Answers a file of cameras in this process");
   cull->prefix_command();
   cull->set_help_flag();
+  CLI::App* bench = app.add_subcommand("bench", "Measures error against run time");
+  bench->prefix_command();
+  bench->set_help_flag();
   CLI::App* methods = app.add_subcommand("methods", "Lists the culling methods");
   methods->add_flag("--json", arguments.json);
   refuseEmptyText(app);
@@ -56,6 +60,7 @@ int run(int argc, char** argv) {
     return fail(kUsage, failure.what());
   }
   if (cull->parsed()) return runCull(cull->remaining());
+  if (bench->parsed()) return runBench(bench->remaining(), allMethods());
   if (!serve->parsed()) return runMethods(arguments.json);
   if (arguments.backend != "auto" && arguments.backend != "cpu") {
     return fail(kUsage, "--backend " + arguments.backend + ": this build has cpu only");

@@ -171,6 +171,24 @@ void drawHidden(const Canvas& canvas, const FrameToDraw& frame, double height) {
   each(Verdict::kMissed, [&](ObjectId id) { pen.outline(id, colorOf(Verdict::kMissed)); });
 }
 
+Result<Canvas> drawn(const FrameToDraw& frame, std::uint32_t width_px) {
+  const double aspect = static_cast<double>(frame.camera.height_px) / frame.camera.width_px;
+  const auto height_px =
+      static_cast<std::uint32_t>(std::clamp(std::round(width_px * aspect), 16.0, 4.0 * width_px));
+  Camera camera = frame.camera;
+  camera.width_px = width_px * kOversampling;
+  camera.height_px = height_px * kOversampling;
+  const auto pixels = frame.oracle->paint(camera);
+  if (!pixels) return pixels.error();
+  const Painter painter(frame, pixels.value(), camera.width_px, camera.height_px);
+  const auto footer_px = static_cast<std::uint32_t>(kFooterPx * (width_px / 1280.0));
+  Canvas canvas(width_px, height_px + footer_px);
+  canvas.image(painter.paint(), camera.width_px, camera.height_px, 1.0 / kOversampling);
+  drawHidden(canvas, frame, height_px);
+  canvas.footer(frame);
+  return canvas;
+}
+
 }  // namespace
 }  // namespace culld::report
 
@@ -178,21 +196,13 @@ namespace culld {
 
 Result<void> drawFromCamera(const FrameToDraw& frame, const std::string& path_png,
                             std::uint32_t width_px) {
-  const double aspect = static_cast<double>(frame.camera.height_px) / frame.camera.width_px;
-  const auto height_px =
-      static_cast<std::uint32_t>(std::clamp(std::round(width_px * aspect), 16.0, 4.0 * width_px));
-  Camera camera = frame.camera;
-  camera.width_px = width_px * report::kOversampling;
-  camera.height_px = height_px * report::kOversampling;
-  const auto pixels = frame.oracle->paint(camera);
-  if (!pixels) return pixels.error();
-  const report::Painter painter(frame, pixels.value(), camera.width_px, camera.height_px);
-  const auto footer_px = static_cast<std::uint32_t>(report::kFooterPx * (width_px / 1280.0));
-  const report::Canvas canvas(width_px, height_px + footer_px);
-  canvas.image(painter.paint(), camera.width_px, camera.height_px, 1.0 / report::kOversampling);
-  report::drawHidden(canvas, frame, height_px);
-  canvas.footer(frame);
-  return canvas.save(path_png);
+  const auto canvas = report::drawn(frame, width_px);
+  return canvas ? canvas.value().save(path_png) : canvas.error();
+}
+
+Result<std::string> pngFromCamera(const FrameToDraw& frame, std::uint32_t width_px) {
+  const auto canvas = report::drawn(frame, width_px);
+  return canvas ? canvas.value().png() : canvas.error();
 }
 
 }  // namespace culld

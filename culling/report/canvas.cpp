@@ -130,6 +130,20 @@ Result<void> Canvas::save(const std::string& path_png) const {
   return Error{ErrorCode::kIo, path_png + ": cannot write: " + cairo_status_to_string(status)};
 }
 
+Result<std::string> Canvas::png() const {
+  std::string bytes;
+  const auto append = [](void* to, const unsigned char* data, unsigned length) {
+    static_cast<std::string*>(to)->append(data, data + length);
+    return CAIRO_STATUS_SUCCESS;
+  };
+  cairo_status_t status = cairo_status(pen());
+  if (status == CAIRO_STATUS_SUCCESS) {
+    status = cairo_surface_write_to_png_stream(surface_.get(), append, &bytes);
+  }
+  if (status == CAIRO_STATUS_SUCCESS) return bytes;
+  return Error{ErrorCode::kUnavailable, std::string("picture: ") + cairo_status_to_string(status)};
+}
+
 std::string grouped(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t at = digits.size(); at > 3; at -= 3) digits.insert(at - 3, "\u2009");

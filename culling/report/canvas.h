@@ -51,6 +51,8 @@ class Canvas {
   void image(std::span<const std::uint32_t> pixels, std::uint32_t width_px, std::uint32_t height_px,
              double scale) const;
   Result<void> save(const std::string& path_png) const;
+  /// The bytes that save() would write.
+  Result<std::string> png() const;
 
  private:
   struct Release {

@@ -43,6 +43,10 @@ inline constexpr std::uint32_t kPictureWidthPx = 1280;
 Result<void> drawFromCamera(const FrameToDraw& frame, const std::string& path_png,
                             std::uint32_t width_px = kPictureWidthPx);
 
+/// The same as the bytes of a PNG. ERROR: kUnavailable from the oracle or the drawing library.
+Result<std::string> pngFromCamera(const FrameToDraw& frame,
+                                  std::uint32_t width_px = kPictureWidthPx);
+
 /// A map with y pointing at the viewer, the frustum, and where the camera's rays end.
 /// ERROR: as above.
 Result<void> drawFromAbove(const FrameToDraw& frame, const std::string& path_png,

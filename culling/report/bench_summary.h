@@ -1,0 +1,35 @@
+// The figures of one run over all its cameras: what a row of the tables holds.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "culling/report/bench.h"
+
+namespace culld::report {
+
+/// Means are per camera. What has no value (nothing visible: no excess) is none, never NaN.
+struct RunSummary {
+  std::uint64_t missed = 0, missed_subpixel = 0;  ///< over all cameras
+  double missed_px = 0.0;                         ///< over all cameras
+  double in_frustum = 0.0, visible = 0.0, answered = 0.0;
+  std::optional<double> excess;        ///< answered / visible
+  std::optional<double> culled_share;  ///< of what is in the frustum and not visible
+  Spread cameras_us;                   ///< of the cameras' medians, over the cameras
+  double mean_us = 0.0;                ///< of the cameras' medians
+  double low_us = 0.0, high_us = 0.0;  ///< means of the cameras' minima and 95 % points: the noise
+  std::optional<double> relative, relative_min;  ///< time, to the baseline's; of medians, of minima
+  double answer_bytes = 0.0, change_bytes = 0.0;
+  double out_of_budget = 0.0;  ///< share of the answers
+  double nodes_visited = 0.0, tested = 0.0, occluders_drawn = 0.0, triangles_drawn = 0.0;
+  /// What the stages brought, in objects: left out by the frustum alone, and further by the method,
+  /// which took it so many microseconds more.
+  double outside = 0.0, occluded = 0.0, extra_us = 0.0;
+};
+
+RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run);
+
+/// The pages and tables call a run so: "raster" or "auto (raster)".
+std::string nameOf(const MethodFigures& method);
+
+}  // namespace culld::report

@@ -1,0 +1,255 @@
+#include "server/bench_command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <sstream>
+#include <utility>
+
+#include "culling/core/simd.h"
+#include "culling/report/bench.h"
+#include "protocol/answer_file.h"
+#include "protocol/id_set.h"
+#include "server/command_inputs.h"
+#include "server/command_line.h"
+#include "server/machine.h"
+#include "server/scene.h"
+
+namespace culld {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the others are compared with.
+constexpr const char* kBaseline = "frustum";
+
+struct Options {
+  std::vector<std::string> scenes;
+  std::string cameras, methods = "all", sizes, times_us, report, simd = "auto";
+  std::uint32_t repeat = 5, every = 1, samples = 4, rays = 16;
+  std::uint64_t seed = 1;
+  server::Methods table;           ///< all that there are
+  std::vector<std::string> names;  ///< of those to run
+};
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("SCENE", o.scenes, "glTF scenes, .glb or .gltf")->required();
+  app.add_option("--cameras", o.cameras,
+                 "cameras file for all scenes; else X.cameras.json of X.glb");
+  app.add_option("--methods", o.methods, "all, or names with commas; auto: the planner's choice");
+  app.add_option("--sizes", o.sizes, "image sizes, 640x360,1280x720; else each camera's own");
+  app.add_option("--times-us", o.times_us,
+                 "time limits per camera, 500,2000, in microseconds; no limit is always measured");
+  app.add_option("--repeat", o.repeat, "times that each camera is answered")
+      ->check(CLI::Range(1U, 10'000U));
+  app.add_option("--every", o.every, "take every Nth camera")->check(CLI::Range(1U, 1'000'000U));
+  app.add_option("--samples", o.samples, "truth: rays through each pixel, rounded up to a square")
+      ->check(CLI::Range(1U, 1024U));
+  app.add_option("--rays", o.rays, "truth: rays aimed at each object not seen so far")
+      ->check(CLI::Range(0U, 1'000'000U));
+  app.add_option("--seed", o.seed, "truth: of its random numbers");
+  app.add_option("--simd", o.simd, "force a SIMD target: auto, sse4, avx2, avx3");
+  app.add_option("--report", o.report, "folder for report.html, report.csv, report.json")
+      ->required();
+}
+
+std::vector<std::string> splitAtCommas(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream in(text);
+  for (std::string part; std::getline(in, part, ',');) parts.push_back(part);
+  return parts;
+}
+
+Result<std::chrono::nanoseconds> timeLimit(const std::string& text) {
+  std::uint32_t us = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), us);
+  if (error != std::errc{} || end != text.data() + text.size()) {
+    return invalidInput("--times-us " + text + ": not a whole number of microseconds");
+  }
+  return std::chrono::nanoseconds(std::chrono::microseconds(us));
+}
+
+Result<ImageSize> imageSize(const std::string& text) {
+  unsigned width = 0, height = 0;
+  char rest = 0;
+  const int read = std::sscanf(text.c_str(), "%5ux%5u%c", &width, &height, &rest);
+  if (read != 2 || width == 0 || height == 0 || width > kMaxImageSide || height > kMaxImageSide) {
+    return invalidInput("--sizes " + text + ": not WIDTHxHEIGHT");
+  }
+  return ImageSize{width, height};
+}
+
+Result<BenchOptions> benchOptions(const Options& o) {
+  BenchOptions options;
+  for (const std::string& text : splitAtCommas(o.sizes)) {
+    const auto size = imageSize(text);
+    if (!size) return size.error();
+    options.images.push_back(size.value());
+  }
+  for (const std::string& text : splitAtCommas(o.times_us)) {
+    const auto limit = timeLimit(text);
+    if (!limit) return limit.error();
+    options.limits.push_back(limit.value());
+  }
+  options.repeat = o.repeat;
+  options.truth.lattice = static_cast<std::uint32_t>(std::ceil(std::sqrt(o.samples)));
+  options.truth.rays_per_object = o.rays;
+  options.truth.seed = o.seed;
+  options.wire_bytes = [](std::span<const ObjectId> before, std::span<const ObjectId> now) {
+    return protocol::encodeSmallest(before, now).payload.size();
+  };
+  return options;
+}
+
+/// The names asked for, each once, the baseline first.
+Result<std::vector<std::string>> methodNames(const Options& o) {
+  std::vector<std::string> known;
+  for (const Method* method : o.table) known.emplace_back(method->info().name);
+  if (std::find(known.begin(), known.end(), "auto") == known.end()) known.emplace_back("auto");
+  std::vector<std::string> names{kBaseline};
+  for (const std::string& asked : splitAtCommas(o.methods)) {
+    const bool all = asked == "all";
+    if (!all && std::find(known.begin(), known.end(), asked) == known.end()) {
+      std::string list = "all";
+      for (const std::string& name : known) list += ", " + name;
+      return invalidInput("method " + asked + ": unknown; there are " + list);
+    }
+    for (const std::string& name : all ? known : std::vector<std::string>{asked}) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+std::string camerasOf(const Options& o, const std::string& scene) {
+  if (!o.cameras.empty()) return o.cameras;
+  return fs::path(scene).replace_extension(".cameras.json").string();
+}
+
+/// Every Nth of the file. ERROR: also if there is none.
+Result<void> addCameras(const Options& o, const std::string& path, BenchScene& scene) {
+  const auto cameras = readCameras(path);
+  if (!cameras) return cameras.error();
+  if (cameras.value().empty()) return invalidInput(path + ": no cameras");
+  for (std::size_t i = 0; i < cameras.value().size(); i += o.every) {
+    scene.cameras.push_back(cameras.value()[i]);
+    scene.numbers.push_back(i);
+  }
+  return Done{};
+}
+
+/// Looked up as every other command does; a method that is not for the scene is noted.
+Result<void> addMethods(const Options& o, BenchScene& scene) {
+  const std::vector<std::string>& names = o.names;
+  const server::SceneVersion version(o.table, scene.scene, 1);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto method = version.method(names[i]);
+    if (!method) {
+      if (names[i] == kBaseline) return method.error();
+      scene.refused.push_back({names[i], method.error().message});
+      continue;
+    }
+    const std::string own_name(method.value()->info().name);
+    scene.methods.push_back({names[i], method.value(), own_name == names[i] ? "" : own_name, i});
+  }
+  return Done{};
+}
+
+Result<SceneFigures> measure(const Options& o, const BenchOptions& options,
+                             const std::string& path) {
+  BenchScene scene;
+  scene.name = fs::path(path).filename().string();
+  if (auto added = addCameras(o, camerasOf(o, path), scene); !added) return added.error();
+  auto loaded = loadScene(path);
+  if (!loaded) return loaded.error();
+  scene.scene = std::move(loaded).value();
+  if (auto added = addMethods(o, scene); !added) {
+    return Error{added.error().code, path + ": " + added.error().message};
+  }
+  ProgressBar bar("bench " + scene.name);
+  BenchOptions watched = options;
+  watched.progress = [&bar](std::size_t done, std::size_t total) { bar.show(done, total); };
+  auto figures = benchScene(scene, watched);
+  if (!figures) return Error{figures.error().code, path + ": " + figures.error().message};
+  return figures;
+}
+
+Result<void> write(const BenchReport& report, const std::string& folder) {
+  const fs::path to(folder);
+  const std::pair<const char*, std::string> files[] = {{"report.csv", benchCsv(report)},
+                                                       {"report.json", benchJson(report)},
+                                                       {"report.html", benchHtml(report)}};
+  for (const auto& [name, text] : files) {
+    const auto written = protocol::writeTextFile((to / name).string(), text);
+    if (!written) return Error{ErrorCode::kIo, written.error().message};
+  }
+  return Done{};
+}
+
+BenchFacts factsOf(const Options& o, const std::string& command) {
+  BenchFacts facts = machineFacts();
+  facts.emplace_back("command", command);
+  facts.emplace_back("load at the start", machineLoad());
+  facts.emplace_back("truth", std::to_string(o.samples) + " rays a pixel, " +
+                                  std::to_string(o.rays) + " aimed at each object not seen, seed " +
+                                  std::to_string(o.seed));
+  facts.emplace_back("repetitions", std::to_string(o.repeat) + ", the methods in turn");
+  return facts;
+}
+
+int run(Options& o, const std::string& command) {
+  auto names = methodNames(o);
+  if (!names) return fail(kUsage, names.error().message);
+  o.names = std::move(names).value();
+  const auto options = benchOptions(o);
+  if (!options) return fail(kUsage, options.error().message);
+  if (auto forced = forceSimdTarget(o.simd); !forced) return fail(kUsage, forced.error().message);
+  std::error_code error;
+  fs::create_directories(o.report, error);
+  if (error) return fail(kDisk, o.report + ": " + error.message());
+
+  BenchReport report;
+  report.facts = factsOf(o, command);
+  for (const std::string& path : o.scenes) {
+    auto figures = measure(o, options.value(), path);
+    if (!figures) {
+      const bool input = figures.error().code != ErrorCode::kUnavailable;
+      return fail(input ? kUsage : kFailed, figures.error().message);
+    }
+    report.scenes.push_back(std::move(figures).value());
+    // After each scene: whoever is interrupted keeps what is done.
+    if (auto written = write(report, o.report); !written) {
+      return fail(kDisk, written.error().message);
+    }
+  }
+  std::cout << report.verdict() << '\n' << benchText(report);
+  return report.breaches().empty() ? kFine : kFailed;
+}
+
+}  // namespace
+
+int runBench(std::vector<std::string> arguments, std::span<const Method* const> methods) {
+  std::string command = "culld bench";
+  for (const std::string& argument : arguments) command += " " + argument;
+  Options options;
+  options.table = methods;
+  CLI::App app("error against run time: scenes x methods x settings", "culld bench");
+  declare(app, options);
+  refuseEmptyText(app);
+  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return kFine;
+  } catch (const CLI::ParseError& error) {
+    return fail(kUsage, error.what());
+  }
+  return run(options, command);
+}
+
+}  // namespace culld
