@@ -22,7 +22,8 @@ std::size_t cameraStep() {
   return every == nullptr ? 1 : std::max(1UL, std::strtoul(every, nullptr, 10));
 }
 
-void judgeScene(const fs::path& file, const fs::path& cameras_file) {
+void judgeScene(const fs::path& file, const fs::path& cameras_file, MotionBound motion,
+                std::size_t step) {
   SCOPED_TRACE(file.filename().string());
   auto scene = loadGltfFile(file.string());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
@@ -35,10 +36,11 @@ void judgeScene(const fs::path& file, const fs::path& cameras_file) {
   OracleOptions options;
   options.lattice = 1;  // one sample a pixel: all cameras of all scenes within an hour
   std::size_t visible = 0, looks = 0;
-  for (std::size_t c = 0; c < cameras.value().size(); c += cameraStep()) {
+  for (std::size_t c = 0; c < cameras.value().size(); c += step) {
     SCOPED_TRACE("camera " + std::to_string(c));
     auto camera = server::toEngine(cameras.value()[c]);
     ASSERT_TRUE(camera.ok()) << camera.error().message;
+    if (!motion.still()) camera.value().motion = motion;
     auto truth = oracle.value()->look(camera.value(), options);
     ASSERT_TRUE(truth.ok()) << truth.error().message;
     visible += truth.value().visible.size();
@@ -60,17 +62,30 @@ void judgeScene(const fs::path& file, const fs::path& cameras_file) {
   }
 }
 
-TEST(RealScenes, NoMethodLacksAnObjectThatTheOracleSees) {
+/// False if there are no real scenes to judge.
+bool judgeAll(MotionBound motion, std::size_t step) {
   const char* dir = std::getenv("CULLD_SCENES");
-  if (dir == nullptr) GTEST_SKIP() << "CULLD_SCENES is not set: only generated scenes were judged";
+  if (dir == nullptr) return false;
   std::size_t judged = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(dir)) {
     const fs::path cameras = fs::path(entry.path()).replace_extension(".cameras.json");
     if (entry.path().extension() != ".glb" || !fs::exists(cameras)) continue;
-    judgeScene(entry.path(), cameras);
+    judgeScene(entry.path(), cameras, motion, step);
     ++judged;
   }
   EXPECT_GT(judged, 0U) << "no X.glb with X.cameras.json in " << dir;
+  return true;
+}
+
+constexpr const char* kNoScenes = "CULLD_SCENES is not set: only generated scenes were judged";
+
+TEST(RealScenes, NoMethodLacksAnObjectThatTheOracleSees) {
+  if (!judgeAll({}, cameraStep())) GTEST_SKIP() << kNoScenes;
+}
+
+/// Of each tenth camera, as every one of them is a look from thirteen poses.
+TEST(RealScenes, NoMethodLacksWhatAPoseWithinAMotionBoundSees) {
+  if (!judgeAll({.radius_m = 0.5, .angle_rad = 0.05}, 10 * cameraStep())) GTEST_SKIP() << kNoScenes;
 }
 
 }  // namespace

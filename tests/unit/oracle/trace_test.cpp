@@ -228,6 +228,29 @@ TEST(TraceOnGeneratedScenes, AgreesWithATracerOfAnotherKind) {
   EXPECT_GT(agreed, 3000U);
 }
 
+/// What a ray through a point of the plane z = -5 sees of a wall there and a larger one behind it.
+std::vector<ObjectId> seenThrough(const glm::dvec3& point) {
+  Scene builder;
+  builder.add(oracle_test::wall(), oracle_test::at(0, 0, -5));
+  builder.add(oracle_test::wall(), oracle_test::at(0, 0, -10, 9, 9));
+  const auto scene = oracle::RayScene::build(builder.finish());
+  const auto view = oracle::RayView::build(*scene.value(), oracle_test::cameraAt({0, 0, 0}));
+  oracle::Hits hits;
+  view.value()->trace(view.value()->rays().at(point)->ray, hits);
+  std::vector<ObjectId> seen;
+  for (const oracle::Hit& hit : hits.found) {
+    if (!hit.tie) seen.push_back(view.value()->objects()[hit.placed].object);
+  }
+  return seen;
+}
+
+TEST(TraceAtARim, TheRimThatRoundingAddsBlocksAndIsNotSeen) {
+  using Ids = std::vector<ObjectId>;
+  EXPECT_EQ(seenThrough({0.5 - 5e-8, 0.1, -5}), Ids{0});
+  EXPECT_EQ(seenThrough({0.5 + 5e-8, 0.1, -5}), Ids{});
+  EXPECT_EQ(seenThrough({0.5 + 5e-7, 0.1, -5}), Ids{1});
+}
+
 INSTANTIATE_TEST_SUITE_P(Places, TraceTest,
                          testing::Values(Place{0.0, 1.0}, Place{1e3, 1.0}, Place{6.4e6, 1.0},
                                          Place{1e7, 0.01}, Place{0.0, 1e-6}, Place{1e7, 1e5}));
