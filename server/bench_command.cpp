@@ -109,7 +109,6 @@ Result<BenchOptions> benchOptions(const Options& o) {
 Result<std::vector<std::string>> methodNames(const Options& o) {
   std::vector<std::string> known;
   for (const Method* method : o.table) known.emplace_back(method->info().name);
-  if (std::find(known.begin(), known.end(), "auto") == known.end()) known.emplace_back("auto");
   std::vector<std::string> names{kBaseline};
   for (const std::string& asked : splitAtCommas(o.methods)) {
     const bool all = asked == "all";
@@ -153,8 +152,7 @@ Result<void> addMethods(const Options& o, BenchScene& scene) {
       scene.refused.push_back({names[i], method.error().message});
       continue;
     }
-    const std::string own_name(method.value()->info().name);
-    scene.methods.push_back({names[i], method.value(), own_name == names[i] ? "" : own_name, i});
+    scene.methods.push_back({names[i], method.value(), i});
   }
   return Done{};
 }

@@ -114,7 +114,6 @@ Result<void> SceneBench::prepare() {
     const MethodInfo info = wanted.method->info();
     MethodFigures figures;
     figures.name = wanted.name;
-    figures.stands_for = wanted.stands_for;
     figures.style = wanted.style;
     figures.source = info.source;
     figures.needs = info.needs;
@@ -240,6 +239,7 @@ void SceneBench::note(Runner& runner, std::size_t index, const Answer& answer,
     figures.missed = checked.missed;
     figures.missed_subpixel = checked.missed_subpixel;
   }
+  if (!answer.made_by.empty()) ++runner.figures.made_by[std::string(answer.made_by)];
   if (repetition == 0) {
     figures.stats = answer.stats;
     if (options_.wire_bytes) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,8 +27,7 @@ struct BenchSetting {
 struct BenchMethod {
   std::string name;
   const Method* method = nullptr;
-  std::string stands_for;  ///< the name of the method that it chose, if it is a choice
-  std::size_t style = 0;   ///< how it looks in plots: the same number in all scenes
+  std::size_t style = 0;  ///< how it looks in plots: the same number in all scenes
 };
 
 struct RefusedMethod {
@@ -89,11 +89,12 @@ struct BenchRun {
   std::vector<CameraFigures> cameras;
   std::uint64_t breaches = 0;  ///< answers that broke their promise
   std::optional<Breach> first_breach;
+  std::map<std::string, std::uint64_t> made_by;  ///< answers, if the method chooses among others
   std::size_t view_bytes = 0;  ///< what a view keeps between cameras, by the allocator's books
 };
 
 struct MethodFigures {
-  std::string name, stands_for, source, needs;
+  std::string name, source, needs;
   std::size_t style = 0;
   Guarantee guarantee = Guarantee::kConservative;
   double prepare_ms = 0.0;

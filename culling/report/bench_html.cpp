@@ -21,7 +21,7 @@ p{margin:6px 0;max-width:78em}
 .quiet{color:#57606a;font-size:13.5px}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,390px),1fr));gap:18px 26px;margin:14px 0}
 figure{margin:0;min-width:0;break-inside:avoid}
-figcaption{font-weight:600;font-size:14.5px;margin-bottom:2px}
+figcaption,.caption{font-weight:600;font-size:14.5px;margin-bottom:2px}
 figure .quiet{margin:0;font-size:12.5px}
 figure svg{width:100%;height:auto;display:block}
 figure.picture{max-width:960px;margin:14px 0}
@@ -32,6 +32,9 @@ svg .name{font-size:12px;fill:#1b1f24}
 svg .row{font-size:12px;font-weight:600}
 svg .value{font-size:12px}
 svg .point{font-size:10px;fill:#444c56}
+svg .point,svg .row,svg .words{paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}
+svg .words{font-size:13px;fill:#57606a}
+td small{color:#57606a}
 svg .mid{text-anchor:middle}
 svg .end{text-anchor:end}
 svg .strong{font-weight:700;fill:#1b1f24}
@@ -74,12 +77,13 @@ std::string summaryRow(const SceneRows& rows, std::size_t method, bool first) {
   std::string row = std::string("<tr class=\"") + (rows.scene.runs[i].breaches > 0 ? "bad " : "") +
                     (first ? "first" : "") + "\"><td class=\"l\">";
   if (first) row += escaped(rows.scene.name);
-  row += "</td><td class=\"l\">" + escaped(nameOf(rows.scene.methods[method])) + "</td>";
+  row += "</td><td class=\"l\">" + escaped(rows.scene.methods[method].name) +
+         (sum.made_by.empty() ? "" : " <small>" + escaped(sum.made_by) + "</small>") + "</td>";
   row += cell(std::to_string(sum.missed) + " + " + std::to_string(sum.missed_subpixel));
   row += cell(shortNumber(sum.visible)) + cell(shortNumber(sum.answered)) + number(sum.excess);
-  row += cell(sum.culled_share ? shortNumber(100.0 * *sum.culled_share) + " %" : "-");
-  row += cell(shortNumber(1e-3 * sum.mean_us)) + number(sum.relative) + number(sum.relative_min);
-  row += cell(shortNumber(rows.scene.methods[method].prepare_ms));
+  row += cell(percent(sum.culled_share)) + cell(shortTime(sum.mean_us));
+  row += number(sum.relative) + number(sum.relative_min) + number(sum.relative_work);
+  row += cell(shortTime(1e3 * rows.scene.methods[method].prepare_ms));
   row += cell(shortBytes(static_cast<double>(rows.scene.methods[method].prepared_bytes)));
   return row + cell(shortBytes(sum.answer_bytes)) + "</tr>\n";
 }
@@ -89,9 +93,11 @@ std::string summaryTable(const std::vector<SceneRows>& scenes) {
       "<div class=\"table\"><table><thead><tr><th class=\"l\">scene</th><th class=\"l\">method</th>"
       "<th>missed<small>pixels + below</small></th><th>visible<small>per camera</small></th>"
       "<th>answered<small>per camera</small></th><th>excess</th>"
-      "<th>culled<small>of what could be</small></th><th>time<small>ms per camera</small></th>"
-      "<th>&times; frustum<small>medians</small></th><th>&times; frustum<small>minima</small></th>"
-      "<th>prepare<small>ms, once</small></th><th>prepared</th>"
+      "<th>culled<small>of what could be</small></th><th>time<small>per camera</small></th>"
+      "<th>&times; frustum<small>median times</small></th>"
+      "<th>&times; frustum<small>least times</small></th>"
+      "<th>&times; frustum<small>counted work</small></th>"
+      "<th>prepare<small>once</small></th><th>prepared</th>"
       "<th>answer<small>on the wire, whole</small></th></tr></thead><tbody>\n";
   for (const SceneRows& scene : scenes) {
     for (std::size_t m = 0; m < scene.scene.methods.size(); ++m) {

@@ -57,7 +57,7 @@ class Cells {
   std::string html_;
 };
 
-constexpr std::array<const char*, 19> kHeads{
+constexpr std::array<const char*, 20> kHeads{
     "<th class=\"l\">method</th>",
     "<th class=\"l\">setting</th>",
     "<th class=\"l\">guarantee</th>",
@@ -67,10 +67,11 @@ constexpr std::array<const char*, 19> kHeads{
     "<th>answered<small>per camera</small></th>",
     "<th>excess</th>",
     "<th>culled<small>of what could be</small></th>",
-    "<th>time<small>ms: least &ndash; median &ndash; 95 %</small></th>",
-    "<th>cameras<small>ms: min / median / p95 / max</small></th>",
-    "<th>&times; frustum<small>medians</small></th>",
-    "<th>&times; frustum<small>minima</small></th>",
+    "<th>time<small>least &ndash; median &ndash; 95 %</small></th>",
+    "<th>cameras<small>min / median / p95 / max</small></th>",
+    "<th>&times; frustum<small>median times</small></th>",
+    "<th>&times; frustum<small>least times</small></th>",
+    "<th>&times; frustum<small>counted work</small></th>",
     "<th>cut short<small>of answers</small></th>",
     "<th>nodes<small>visited</small></th>",
     "<th>objects<small>tested</small></th>",
@@ -82,19 +83,20 @@ std::string rowOf(const SceneRows& rows, std::size_t i) {
   const BenchRun& run = rows.scene.runs[i];
   const RunSummary& sum = rows.rows[i];
   const MethodFigures& method = rows.scene.methods[run.method];
-  const auto ms = [](double us) { return shortNumber(1e-3 * us); };
   Cells cells(run.breaches > 0);
-  cells.left(nameOf(method)).left(rows.scene.settings[run.setting].name());
+  cells.left(sum.made_by.empty() ? method.name : method.name + " (" + sum.made_by + ")")
+      .left(rows.scene.settings[run.setting].name());
   cells.left(std::string(guaranteeName(method.guarantee)));
   cells.number(static_cast<double>(run.breaches));
   cells.text(std::to_string(sum.missed) + " + " + std::to_string(sum.missed_subpixel));
   cells.number(sum.missed_px).number(sum.answered).number(sum.excess);
-  cells.text(sum.culled_share ? shortNumber(100.0 * *sum.culled_share) + " %" : "-");
-  cells.text(ms(sum.low_us) + " \u2013 " + ms(sum.mean_us) + " \u2013 " + ms(sum.high_us));
-  cells.text(ms(sum.cameras_us.min) + " / " + ms(sum.cameras_us.median) + " / " +
-             ms(sum.cameras_us.p95) + " / " + ms(sum.cameras_us.max));
-  cells.number(sum.relative).number(sum.relative_min);
-  cells.text(shortNumber(100.0 * sum.out_of_budget) + " %");
+  cells.text(percent(sum.culled_share));
+  cells.text(shortTime(sum.low_us) + " \u2013 " + shortTime(sum.mean_us) + " \u2013 " +
+             shortTime(sum.high_us));
+  cells.text(shortTime(sum.cameras_us.min) + " / " + shortTime(sum.cameras_us.median) + " / " +
+             shortTime(sum.cameras_us.p95) + " / " + shortTime(sum.cameras_us.max));
+  cells.number(sum.relative).number(sum.relative_min).number(sum.relative_work);
+  cells.text(percent(sum.out_of_budget));
   cells.number(sum.nodes_visited).number(sum.tested);
   cells.number(sum.occluders_drawn).number(sum.triangles_drawn);
   cells.text(shortBytes(sum.answer_bytes) + " / " + shortBytes(sum.change_bytes));
@@ -139,8 +141,9 @@ std::string plots(const SceneRows& rows) {
   html += "<figure><figcaption>Memory</figcaption><div class=\"legend\">" +
           swatch(kPreparedColor, "prepared, shared by all views") +
           swatch(kViewColor, "kept by each view") + "</div>" + memoryPlot(rows) +
-          "<p class=\"quiet\">Beside the scene itself.</p></figure>";
-  html += figure("Preparing the scene, once", preparePlot(rows), "One measurement each.");
+          "<p class=\"quiet\">Beside the scene itself.</p><div class=\"caption\">Preparing the "
+          "scene, once</div>" +
+          preparePlot(rows) + "<p class=\"quiet\">One measurement each.</p></figure>";
   return html + "</div>\n";
 }
 

@@ -43,7 +43,9 @@ Json summaryJson(const RunSummary& sum) {
             {"left_out_by_occlusion", sum.occluded},
             {"occlusion_extra_us", sum.extra_us}}},
           {"work",
-           {{"nodes_visited", sum.nodes_visited},
+           {{"us", sum.work_us},
+            {"relative", orNull(sum.relative_work)},
+            {"nodes_visited", sum.nodes_visited},
             {"tested", sum.tested},
             {"occluders_drawn", sum.occluders_drawn},
             {"triangles_drawn", sum.triangles_drawn}}}};
@@ -55,6 +57,7 @@ Json runJson(const SceneFigures& scene, const BenchRun& run) {
                {"setting", scene.settings[run.setting].name()},
                {"breaches", run.breaches},
                {"first_breach", run.first_breach ? Json(run.first_breach->line()) : Json(nullptr)},
+               {"made_by", run.made_by},
                {"view_bytes", run.view_bytes}};
   json.update(summaryJson(report::summaryOf(scene, run)));
   json["cameras"] = {
@@ -72,7 +75,6 @@ Json runJson(const SceneFigures& scene, const BenchRun& run) {
 
 Json methodJson(const MethodFigures& method) {
   return {{"name", method.name},
-          {"chosen", method.stands_for},
           {"source", method.source},
           {"needs", method.needs},
           {"guarantee", std::string(guaranteeName(method.guarantee))},

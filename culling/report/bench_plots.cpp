@@ -18,7 +18,7 @@ double ms(double us) { return us * 1e-3; }
 std::string tipOf(const SceneRows& rows, std::size_t i) {
   const BenchRun& run = rows.scene.runs[i];
   const RunSummary& sum = rows.rows[i];
-  std::string tip = nameOf(rows.scene.methods[run.method]) + ", " +
+  std::string tip = rows.scene.methods[run.method].name + ", " +
                     rows.scene.settings[run.setting].name() + ": " + shortTime(sum.mean_us) + " (" +
                     shortTime(sum.low_us) + " to " + shortTime(sum.high_us) + ")";
   if (sum.excess) tip += ", excess " + shortNumber(*sum.excess);
@@ -34,7 +34,7 @@ std::string labelOf(const SceneFigures& scene, std::size_t setting) {
   }
   if (scene.limits == 1 || at.time.count() == 0) return label;
   const auto us = std::chrono::duration<double, std::micro>(at.time).count();
-  return label + (label.empty() ? "" : ", ") + "<" + shortTime(us);
+  return label + (label.empty() ? "" : ", ") + "\u2264 " + shortTime(us);
 }
 
 using Pick = std::function<std::optional<double>(const RunSummary&)>;
@@ -64,9 +64,14 @@ PlotSpec againstTime(std::string y_name) {
 std::string missed(const SceneRows& rows, const char* name, const Pick& pick) {
   PlotSpec spec = againstTime(name);
   spec.y_kind = Axis::Kind::kLogWithZero;
+  spec.words = "nothing was missed in any answer";
   std::vector<PlotSeries> series = seriesOf(rows, pick);
   for (PlotSeries& one : series) {
-    for (PlotPoint& point : one.points) point.on_front = false;  // of time and excess
+    for (PlotPoint& point : one.points) {
+      point.on_front = false;  // of time and excess
+      if (point.y > 0.0) spec.words.clear();
+      if (!(point.y > 0.0)) point.label.clear();
+    }
   }
   return pointPlot(spec, series);
 }
@@ -106,7 +111,7 @@ SceneRows::SceneRows(const SceneFigures& figures)
 }
 
 std::size_t styleIndex(const SceneFigures& scene, std::size_t method) {
-  return scene.methods[method].stands_for.empty() ? scene.methods[method].style : kRingStyle;
+  return scene.runs[method].made_by.empty() ? scene.methods[method].style : kRingStyle;
 }
 
 std::string missedPlot(const SceneRows& rows) {
@@ -167,7 +172,7 @@ std::string stagesPlot(const SceneRows& rows) {
     if (m != rows.scene.baseline) {
       text += std::string(sum.extra_us < 0.0 ? ", " : ", +") + shortTime(sum.extra_us);
     }
-    bars.push_back({nameOf(rows.scene.methods[m]),
+    bars.push_back({rows.scene.methods[m].name,
                     text,
                     {{sum.visible, kVisibleColor, shortNumber(sum.visible) + " visible"},
                      {kept, kKeptColor, shortNumber(kept) + " hidden, answered anyway"},
@@ -181,7 +186,7 @@ std::string memoryPlot(const SceneRows& rows) {
   for (std::size_t m = 0; m < rows.scene.methods.size(); ++m) {
     const auto prepared = static_cast<double>(rows.scene.methods[m].prepared_bytes);
     const auto view = static_cast<double>(rows.scene.runs[rows.unlimited(m)].view_bytes);
-    bars.push_back({nameOf(rows.scene.methods[m]),
+    bars.push_back({rows.scene.methods[m].name,
                     shortBytes(prepared) + " prepared, " + shortBytes(view) + " a view",
                     {{prepared, kPreparedColor, shortBytes(prepared) + " prepared"},
                      {view, kViewColor, shortBytes(view) + " per view"}}});
@@ -195,7 +200,7 @@ std::string preparePlot(const SceneRows& rows) {
     const MethodFigures& method = rows.scene.methods[m];
     const std::string text = shortTime(1e3 * method.prepare_ms);
     const Style style = styleOf(styleIndex(rows.scene, m));
-    bars.push_back({nameOf(method), text, {{method.prepare_ms, style.color, text}}});
+    bars.push_back({method.name, text, {{method.prepare_ms, style.color, text}}});
   }
   return barPlot(bars);
 }

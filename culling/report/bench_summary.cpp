@@ -107,6 +107,22 @@ void addTimes(const BenchRun& run, const BenchRun& baseline, RunSummary& sum) {
   sum.extra_us = sum.mean_us - before.of(median);
 }
 
+/// "raster 75 %, frustum 25 %", the largest share first.
+std::string makersOf(const std::map<std::string, std::uint64_t>& made_by) {
+  std::vector<std::pair<std::uint64_t, std::string>> order;
+  std::uint64_t all = 0;
+  for (const auto& [name, answers] : made_by) {
+    order.emplace_back(answers, name);
+    all += answers;
+  }
+  std::sort(order.rbegin(), order.rend());
+  std::string text;
+  for (const auto& [answers, name] : order) {
+    text += (text.empty() ? "" : ", ") + name + " " + std::to_string(100 * answers / all) + " %";
+  }
+  return text;
+}
+
 }  // namespace
 
 RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run) {
@@ -118,6 +134,13 @@ RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run) {
   sum.answer_bytes = means.of([](const auto& c) { return c.answer_bytes; });
   sum.change_bytes = means.of([](const auto& c) { return c.change_bytes; });
   sum.out_of_budget = means.of([](const auto& c) { return c.out_of_budget; }) / scene.repeat;
+  const auto work = [](const CameraFigures& c) {
+    return std::chrono::duration<double, std::micro>(c.stats.work).count();
+  };
+  sum.work_us = means.of(work);
+  sum.relative_work = ratio(sum.work_us, Means(baseline.cameras).of(work));
+  if (!(sum.work_us > 0.0)) sum.relative_work.reset();  // the method does not price its work
+  sum.made_by = makersOf(run.made_by);
   sum.nodes_visited = means.of([](const auto& c) { return c.stats.nodes_visited; });
   sum.tested = means.of([](const auto& c) { return c.stats.tested; });
   sum.occluders_drawn = means.of([](const auto& c) { return c.stats.occluders_drawn; });
@@ -126,10 +149,6 @@ RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run) {
   sum.outside = static_cast<double>(scene.objects) - by_frustum;
   sum.occluded = by_frustum - sum.answered;
   return sum;
-}
-
-std::string nameOf(const MethodFigures& method) {
-  return method.stands_for.empty() ? method.name : method.name + " (" + method.stands_for + ")";
 }
 
 }  // namespace culld::report

@@ -20,7 +20,10 @@ struct RunSummary {
   double low_us = 0.0, high_us = 0.0;  ///< means of the cameras' minima and 95 % points: the noise
   std::optional<double> relative, relative_min;  ///< time, to the baseline's; of medians, of minima
   double answer_bytes = 0.0, change_bytes = 0.0;
-  double out_of_budget = 0.0;  ///< share of the answers
+  double out_of_budget = 0.0;           ///< share of the answers
+  double work_us = 0.0;                 ///< counted and priced, without a clock: free of noise
+  std::optional<double> relative_work;  ///< to the baseline's
+  std::string made_by;                  ///< "raster 75 %, frustum 25 %", if the method chooses
   double nodes_visited = 0.0, tested = 0.0, occluders_drawn = 0.0, triangles_drawn = 0.0;
   /// What the stages brought, in objects: left out by the frustum alone, and further by the method,
   /// which took it so many microseconds more.
@@ -28,8 +31,5 @@ struct RunSummary {
 };
 
 RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run);
-
-/// The pages and tables call a run so: "raster" or "auto (raster)".
-std::string nameOf(const MethodFigures& method);
 
 }  // namespace culld::report

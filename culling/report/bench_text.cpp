@@ -19,7 +19,7 @@ std::string rowOf(const SceneFigures& scene, const BenchRun& run) {
   using report::shortNumber;
   const report::RunSummary sum = report::summaryOf(scene, run);
   const auto number = [](const std::optional<double>& v) { return v ? shortNumber(*v) : "-"; };
-  return column(report::nameOf(scene.methods[run.method]), -20) +
+  return column(scene.methods[run.method].name, -20) +
          column(scene.settings[run.setting].name(), -24) +
          column(std::to_string(sum.missed) + " + " + std::to_string(sum.missed_subpixel), 12) +
          column(shortNumber(sum.visible), 9) + column(shortNumber(sum.answered), 9) +

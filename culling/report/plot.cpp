@@ -68,13 +68,19 @@ std::string axes(const PlotSpec& spec, const Axis& x, const Axis& y) {
 /// Finds room for words beside markers.
 class Labels {
  public:
-  void block(double x, double y) { taken_.push_back({x - 7, y - 7, x + 7, y + 7}); }
+  void block(double left, double right, double y) {
+    taken_.push_back({left - 7, y - 7, right + 7, y + 7});
+  }
   std::string place(double x, double y, const std::string& words) {
     const double width = 5.6 * static_cast<double>(words.size());
-    const Rect spots[] = {{x + 9, y - 6, x + 9 + width, y + 6},
+    const Rect spots[] = {{x - width / 2, y - 21, x + width / 2, y - 9},
+                          {x - width / 2, y + 9, x + width / 2, y + 21},
+                          {x + 9, y - 6, x + 9 + width, y + 6},
                           {x - 9 - width, y - 6, x - 9, y + 6},
-                          {x - width / 2, y - 22, x + width / 2, y - 10},
-                          {x - width / 2, y + 10, x + width / 2, y + 22}};
+                          {x, y - 21, x + width, y - 9},
+                          {x - width, y - 21, x, y - 9},
+                          {x, y + 9, x + width, y + 21},
+                          {x - width, y + 9, x, y + 21}};
     for (const Rect& spot : spots) {
       const bool inside = spot.left > kLeft && spot.right < kRight + 6 && spot.top > kTop - 4 &&
                           spot.bottom < kBottom;
@@ -165,13 +171,17 @@ std::string pointPlot(const PlotSpec& spec, const std::vector<PlotSeries>& serie
     svg += line(kLeft, py, kRight, py, "class=\"compare\"");
     svg += text(kRight - 4, py - 5, "point end", spec.y_line_name);
   }
+  if (!spec.words.empty()) {
+    svg += text(0.5 * (kLeft + kRight), 0.5 * (kTop + kBottom), "words mid", spec.words);
+  }
   if (spec.front) svg += frontLine(series, x, y);
   for (const PlotSeries& one : series) svg += curveOf(one, x, y);
   Labels labels;
   for (const PlotSeries& one : series) {
     for (const PlotPoint& point : one.points) {
       svg += pointOf(point, one.style, x, y);
-      labels.block(x.at(point.x), y.at(point.y));
+      labels.block(x.at(point.x), x.at(point.x), y.at(point.y));
+      labels.block(x.at(point.x_low), x.at(point.x_high), y.at(point.y));
     }
   }
   for (const PlotSeries& one : series) {

@@ -28,6 +28,7 @@ struct PlotSpec {
   Axis::Kind x_kind = Axis::Kind::kLog, y_kind = Axis::Kind::kLog;
   std::optional<double> y_line;  ///< a value to compare with
   std::string y_line_name;
+  std::string words;   ///< in the middle of the plot
   bool front = false;  ///< draw the line through the points on the front
 };
 

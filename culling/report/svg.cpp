@@ -105,9 +105,13 @@ std::string shortBytes(double bytes) {
 std::string shortTime(double microseconds) {
   const double size = std::abs(microseconds);
   if (size > 0.0 && size < 0.9995) return withUnit(microseconds * 1e3, "ns");
-  if (!(size >= 999.5)) return withUnit(microseconds, "us");
+  if (!(size >= 999.5)) return withUnit(microseconds, "\u00b5s");
   if (size < 999.5e3) return withUnit(microseconds * 1e-3, "ms");
   return withUnit(microseconds * 1e-6, "s");
+}
+
+std::string percent(const std::optional<double>& share) {
+  return share ? printed("%.1f %%", 100.0 * *share) : "-";
 }
 
 std::string coordinate(double px) {

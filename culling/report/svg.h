@@ -2,6 +2,7 @@
 // as well as in colour, so that no reader depends on colours alone.
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,8 +17,10 @@ std::string escaped(std::string_view text);
 std::string shortNumber(double value);
 /// "640 B", "1.5 kB", "12.3 MB".
 std::string shortBytes(double bytes);
-/// "850 ns", "12.3 us", "4.5 ms", "2.1 s".
+/// "850 ns", "12.3 \u00b5s", "4.5 ms", "2.1 s".
 std::string shortTime(double microseconds);
+/// "88.4 %" of 0.884; "-" of none.
+std::string percent(const std::optional<double>& share);
 
 /// A coordinate, to a tenth of a pixel.
 std::string coordinate(double px);

@@ -35,8 +35,7 @@ class Bench : public testing::Test {
   SceneFigures run(const std::vector<const Method*>& methods) {
     scene_.methods.clear();
     for (const Method* method : methods) {
-      scene_.methods.push_back(
-          {std::string(method->info().name), method, "", scene_.methods.size()});
+      scene_.methods.push_back({std::string(method->info().name), method, scene_.methods.size()});
     }
     auto figures = benchScene(scene_, options_);
     EXPECT_TRUE(figures.ok()) << (figures ? "" : figures.error().message);

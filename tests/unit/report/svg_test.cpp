@@ -85,7 +85,7 @@ TEST(ShortNumber, HasThreeSignificantDigits) {
 
 TEST(ShortTimesAndBytes, TakeTheUnitThatFits) {
   EXPECT_EQ(shortTime(0.85), "850 ns");
-  EXPECT_EQ(shortTime(12.3), "12.3 us");
+  EXPECT_EQ(shortTime(12.3), "12.3 \u00b5s");
   EXPECT_EQ(shortTime(4500), "4.5 ms");
   EXPECT_EQ(shortTime(2.1e6), "2.1 s");
   EXPECT_EQ(shortBytes(640), "640 B");
