@@ -36,6 +36,11 @@ void appendReal(std::string& out, T value) {
   }
 }
 
+std::string jsonText(std::string_view text) {
+  const nlohmann::json value = text;
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 const char* word(bool value) { return value ? "true" : "false"; }
 
 void appendInstances(std::string& out, const std::vector<Line>& lines) {
@@ -160,15 +165,14 @@ Result<void> AnswerWriter::add(const AnswerFrame& frame) {
   frames_ += std::string(",\"proven\":") + word(frame.proven);
   frames_ += std::string(",\"out_of_budget\":") + word(frame.out_of_budget);
   frames_ += ",\"guarantee\":\"" + guaranteeName(frame.guarantee) + '"';
+  if (!frame.made_by.empty()) frames_ += ",\"made_by\":" + jsonText(frame.made_by);
   if (with_seen) appendCounts(frames_, lines);
   frames_ += '}';
   return Done{};
 }
 
 std::string AnswerWriter::text(const AnswerHeader& header) const {
-  const nlohmann::json method = header.method;
-  constexpr auto kReplaceBadUtf8 = nlohmann::json::error_handler_t::replace;
-  std::string out = "{\"method\":" + method.dump(-1, ' ', false, kReplaceBadUtf8);
+  std::string out = "{\"method\":" + jsonText(header.method);
   out += ",\"guarantee\":\"" + guaranteeName(header.guarantee) + "\",\"scene\":{\"objects\":";
   appendNumber(out, header.objects);
   out += ",\"triangles\":";

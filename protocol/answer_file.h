@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocol/messages.h"
@@ -41,6 +42,7 @@ struct AnswerFrame {
   bool proven = true;
   bool out_of_budget = false;
   Guarantee guarantee = Guarantee::kConservative;
+  std::string_view made_by;  ///< empty: the method has no choice
 };
 
 class AnswerWriter {

@@ -187,6 +187,7 @@ Answer read(Reader& in, const fbs::Answer& m) {
   if (m.stats() != nullptr) out.stats = read(*m.stats());
   out.seen_count = m.seen_count();
   out.kept_count = m.kept_count();
+  out.made_by = in.text(m.made_by(), "made_by");
   if (out.scene_objects > kMaxObjects || out.object_count > out.scene_objects) {
     in.fail(ErrorCode::kLimit, "answer: " + std::to_string(out.object_count) + " objects of " +
                                    std::to_string(out.scene_objects));

@@ -95,6 +95,7 @@ Written write(FlatBufferBuilder& out, const Answer& m) {
   const auto seen = m.seen.empty() ? 0 : out.CreateVector(m.seen);
   const auto method = text(out, m.method);
   const auto note = m.note.empty() ? Offset<String>() : text(out, m.note);
+  const auto made_by = m.made_by.empty() ? Offset<String>() : text(out, m.made_by);
   const Stats& s = m.stats;
   const auto stats =
       fbs::CreateStats(out, s.cull_ns, s.queue_ns, s.nodes_visited, s.tested, s.outside, s.occluded,
@@ -104,7 +105,7 @@ Written write(FlatBufferBuilder& out, const Answer& m) {
       fbs::CreateAnswer(out, m.view, m.frame, m.baseline, m.scene_version, m.scene_objects,
                         static_cast<fbs::Encoding>(m.encoding), payload, m.object_count, m.set_hash,
                         guarantee(m.guarantee), m.missed_px, m.proven, m.out_of_budget, method,
-                        note, m.superseded, seen, stats, m.seen_count, m.kept_count)
+                        note, m.superseded, seen, stats, m.seen_count, m.kept_count, made_by)
           .Union()};
 }
 

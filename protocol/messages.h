@@ -170,6 +170,7 @@ struct Answer {
   /// Of the resulting set: certainly visible, and kept for safety. Both 0: the method does not
   /// tell.
   std::uint32_t seen_count = 0, kept_count = 0;
+  std::string made_by;  ///< the method that made it, where `method` has a choice; else empty
   bool operator==(const Answer&) const = default;
 };
 

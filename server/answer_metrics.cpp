@@ -50,6 +50,7 @@ AnswerMetrics::AnswerMetrics(Registry& registry)
 AnswerMetrics::Labels AnswerMetrics::labelsOf(const AnswerReport& report) {
   return {{"scene", report.scene},
           {"method", std::string(report.method)},
+          {"made_by", std::string(report.made_by)},
           {"guarantee", protocol::guaranteeName(report.guarantee)}};
 }
 
@@ -57,6 +58,8 @@ AnswerMetrics::Series& AnswerMetrics::seriesOf(const AnswerReport& report) {
   std::string key = report.scene;
   key += ' ';  // none of the words holds one
   key += report.method;
+  key += ' ';
+  key += report.made_by;
   key += ' ';
   key += protocol::guaranteeName(report.guarantee);
   const auto [at, fresh] = series_.try_emplace(std::move(key));

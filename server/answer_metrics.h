@@ -1,4 +1,4 @@
-// What is counted about answers, by scene, method and guarantee (docs/protocol.md "Metrics").
+// What is counted about answers, by scene, methods and guarantee (docs/protocol.md "Metrics").
 #pragma once
 #include <prometheus/counter.h>
 #include <prometheus/family.h>
@@ -28,7 +28,8 @@ class AnswerMetrics {
   using Histogram = prometheus::Histogram;
   using Labels = prometheus::Labels;
 
-  /// The series of one scene, method and guarantee; null until there is something to count.
+  /// The series of one scene, method, its choice and guarantee; null until there is something to
+  /// count.
   struct Series {
     std::string scene;
     Counter* answers[2] = {};  ///< by proven
@@ -53,7 +54,7 @@ class AnswerMetrics {
   prometheus::Family<Histogram>& missed_px_;
   prometheus::Family<Histogram>& seconds_;
   std::mutex mutex_;
-  std::map<std::string, Series> series_;  ///< by scene, method and guarantee in one word
+  std::map<std::string, Series> series_;  ///< by all labels in one word
 };
 
 }  // namespace culld::server

@@ -99,6 +99,7 @@ protocol::AnswerFrame frameOf(std::size_t camera, const Answer& answer) {
   frame.proven = answer.proven;
   frame.out_of_budget = answer.out_of_budget;
   frame.guarantee = toWire(answer.guarantee);
+  frame.made_by = answer.made_by;
   return frame;
 }
 

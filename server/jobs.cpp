@@ -20,10 +20,11 @@ std::vector<std::uint8_t> errorMessage(std::uint64_t request_id, WireCode code,
 
 std::string place(const CullJob& job) { return "view " + std::to_string(job.view) + ": "; }
 
-/// A culler's memory may describe the snapshot it was made for, so it goes when the culler changes.
+/// A culler's memory may describe the snapshot it was made for. Another culler means another
+/// version of the same scene: a scene that was replaced brings another ViewMemory.
 ViewState& stateFor(ViewMemory& memory, const std::shared_ptr<const Culler>& culler) {
   if (memory.culler != culler) {
-    memory.state = ViewState();
+    memory.state.sceneEdited();
     memory.culler = culler;
   }
   return memory.state;
@@ -33,6 +34,7 @@ AnswerReport reportOn(const CullJob& job, const Method& method, const Answer& an
   AnswerReport report;
   report.scene = job.scene_name;
   report.method = method.info().name;
+  report.made_by = answer.made_by.empty() ? report.method : answer.made_by;
   report.guarantee = toWire(answer.guarantee);
   report.missed_px = answer.missed_px;
   report.proven = answer.proven;
@@ -70,6 +72,7 @@ protocol::Answer answerMessage(const CullJob& job, const Method& method, Answer&
   if (job.want_seen) out.seen = packBits(answer.seen);
   out.seen_count = static_cast<std::uint32_t>(report.seen);
   out.kept_count = static_cast<std::uint32_t>(report.kept);
+  out.made_by = std::string(answer.made_by);
   out.stats = toWire(answer.stats, queued);
   return out;
 }

@@ -14,7 +14,7 @@ namespace culld::server {
 /// What an answer was worth and what it took.
 struct AnswerReport {
   std::string scene;
-  std::string_view method;
+  std::string_view method, made_by;  ///< asked for, and the one that it chose
   protocol::Guarantee guarantee = protocol::Guarantee::kConservative;
   float missed_px = 0.0F;
   bool proven = true;

@@ -115,6 +115,7 @@ bool CameraRun::record(std::size_t camera, const Frame& frame) {
   answer.proven = frame.proven;
   answer.out_of_budget = frame.out_of_budget;
   answer.guarantee = frame.guarantee;
+  answer.made_by = frame.made_by;
   const auto added = writer_->add(answer);
   if (!added) exit_code_ = fail(kFailed, arguments_->cameras + ": " + added.error().message);
   return added.ok();

@@ -42,10 +42,11 @@ Result<void> printFrame(std::size_t number, const Frame& frame, const Measured& 
   const bool tells = tellsSeen(frame);
   const std::string seen = tells ? std::to_string(frame.seen_count) : "-";
   const std::string kept = tells ? std::to_string(frame.kept_count) : "-";
-  std::printf("%6zu %9u %11zu %9zu %10.3f %13.3f %9zu %9s %9s %9s%s%s\n", number,
+  std::printf("%6zu %9u %11zu %9zu %10.3f %13.3f %9zu %9s %9s %9s%s%s%s%s\n", number,
               frame.scene_objects, m.in_frustum, m.answered, m.server_ms, m.round_trip_ms, m.bytes,
               seen.c_str(), kept.c_str(), missedPx(frame).c_str(), m.delta ? " (change)" : "",
-              frame.out_of_budget ? " (out of time)" : "");
+              frame.out_of_budget ? " (out of time)" : "", frame.made_by.empty() ? "" : " by ",
+              protocol::oneLine(frame.made_by).c_str());
   return protocol::flushStdout();
 }
 
@@ -85,6 +86,7 @@ json jsonOf(std::size_t camera, const Frame& frame, const Measured& m) {
           {"server_seconds", m.server_ms * 1e-3},
           {"round_trip_seconds", m.round_trip_ms * 1e-3},
           {"method", frame.method},
+          {"made_by", frame.made_by},
           {"guarantee", protocol::guaranteeName(frame.guarantee)},
           {"objects_visible", frame.visible}};
 }

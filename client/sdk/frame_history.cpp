@@ -72,6 +72,7 @@ Result<FramePtr> FrameHistory::rebuilt(const protocol::Answer& answer,
   frame->out_of_budget = answer.out_of_budget;
   frame->method = answer.method;
   frame->note = answer.note;
+  frame->made_by = answer.made_by;
   frame->superseded = answer.superseded;
   frame->stats = answer.stats;
   frame->wire_bytes = wire_bytes;

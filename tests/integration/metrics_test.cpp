@@ -39,6 +39,7 @@ TEST_F(MetricsOf, AnswersByWhatTheyAreWorth) {
   fake.on_answer = [&made](Answer& answer) {
     answer.stats.in_frustum = 150;
     if (++made == 1) return;  // conservative, proven, all seen
+    answer.made_by = "stage";
     answer.guarantee = Guarantee::kSampled;
     answer.proven = false;
     answer.missed_px = 2.5F;
@@ -53,9 +54,11 @@ TEST_F(MetricsOf, AnswersByWhatTheyAreWorth) {
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->seen_count, i == 0 ? 100U : 40U);
     EXPECT_EQ(answer->kept_count, i == 0 ? 0U : 60U);
+    EXPECT_EQ(answer->method, "fake");
+    EXPECT_EQ(answer->made_by, i == 0 ? "" : "stage");
   }
-  const std::string sure = "guarantee=\"conservative\",method=\"fake\"";
-  const std::string guess = "guarantee=\"sampled\",method=\"fake\"";
+  const std::string sure = "guarantee=\"conservative\",made_by=\"fake\",method=\"fake\"";
+  const std::string guess = "guarantee=\"sampled\",made_by=\"stage\",method=\"fake\"";
   const std::string row = "scene=\"row\"";
   expectLines({"culld_answers_total{" + sure + ",proven=\"true\"," + row + "} 1",
                "culld_answers_total{" + guess + ",proven=\"false\"," + row + "} 2",

@@ -70,6 +70,7 @@ TEST(AnswerFile, WritesOneLineAFrameAndEveryFlag) {
   first.proven = false;
   first.out_of_budget = true;
   first.guarantee = Guarantee::kSampled;
+  first.made_by = "a\"b";
   ASSERT_TRUE(writer.add(first).ok());
   AnswerFrame second = frameOf(1, kNone);
   second.seconds = std::numeric_limits<double>::quiet_NaN();
@@ -77,7 +78,7 @@ TEST(AnswerFile, WritesOneLineAFrameAndEveryFlag) {
   ASSERT_TRUE(writer.add(second).ok());
   EXPECT_EQ(
       framesOf(writer),
-      R"({"camera":0,"visible":[],"seconds":0.25,"missed_px":1.5,"proven":false,"out_of_budget":true,"guarantee":"sampled"},)"
+      R"({"camera":0,"visible":[],"seconds":0.25,"missed_px":1.5,"proven":false,"out_of_budget":true,"guarantee":"sampled","made_by":"a\"b"},)"
       "\n"
       R"({"camera":1,"visible":[],"seconds":null,"missed_px":null,"proven":true,"out_of_budget":false,"guarantee":"conservative"})");
 }

@@ -47,6 +47,7 @@ Answer fullAnswer() {
   a.stats = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
   a.seen_count = 7;
   a.kept_count = 2;
+  a.made_by = "frustum";
   return a;
 }
 

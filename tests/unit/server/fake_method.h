@@ -52,18 +52,29 @@ class FakeMethod : public Method {
   }
 
  private:
+  /// Told in the stats: nodes_visited counts the culls that it knows of, occluders_drawn the edits.
+  struct FakeMemory : ViewState::Memory {
+    bool sceneEdited() override {
+      ++edits;
+      return true;
+    }
+    std::uint32_t culls = 0, edits = 0;
+  };
   class FakeCuller : public Culler {
    public:
     FakeCuller(const FakeMethod& method, SnapshotPtr scene)
         : method_(method), scene_(std::move(scene)) {}
 
-    Answer cull(const Camera& camera, const Demand&, ViewState&) const override {
+    Answer cull(const Camera& camera, const Demand&, ViewState& view) const override {
       if (method_.on_cull) method_.on_cull();
       Answer answer;
       answer.visible = fakeVisible(*scene_, camera.origin_world.x);
       answer.seen.assign(answer.visible.size(), 1);
       answer.stats.time = method_.cull_time;
       answer.stats.tested = static_cast<std::uint32_t>(scene_->objectCount());
+      auto& memory = view.memory<FakeMemory>();
+      answer.stats.nodes_visited = ++memory.culls;
+      answer.stats.occluders_drawn = memory.edits;
       if (method_.on_answer) method_.on_answer(answer);
       return answer;
     }

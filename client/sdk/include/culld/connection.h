@@ -40,6 +40,7 @@ struct Frame {
   bool proven = true;
   bool out_of_budget = false;
   std::string method, note;
+  std::string made_by;           ///< the method that made it, where `method` has a choice
   std::uint32_t superseded = 0;  ///< older cameras that the server passed over
   protocol::Stats stats;
   std::size_t wire_bytes = 0;  ///< size of the message that brought it
