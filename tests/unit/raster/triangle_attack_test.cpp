@@ -60,12 +60,13 @@ class Attack {
       mw = std::max(mw, std::abs(x->w));
     }
     error = {relative * mu, relative * mv, relative * mw, 0.0, relative * mw, relative * mw};
+    if (chance(3)) makeOrthographic(relative);
     for (std::size_t i = 0; i < 3; ++i) {
       const CellVertex& x = *vertex[i];
       truth[i] = {moved(x.u, error.u),
                   moved(x.v, error.v),
                   moved(x.w, error.w),
-                  x.n,
+                  moved(x.n, error.n),
                   moved(x.near_cut, error.near_cut),
                   moved(x.far_cut, error.far_cut)};
     }
@@ -124,6 +125,18 @@ class Attack {
   std::array<TrueVertex, 3> truth{};
 
  private:
+  /// w is 1 exactly; nearness is a coordinate like the others, with an error of its own.
+  void makeOrthographic(double relative) {
+    double mu = 0, mv = 0;
+    for (CellVertex* x : {&p, &q, &r}) {
+      const double n = real(-0.2, 1.2);
+      *x = {x->u / x->w, x->v / x->w, 1.0, n, 1.0 - n, n};
+      mu = std::max(mu, std::abs(x->u));
+      mv = std::max(mv, std::abs(x->v));
+    }
+    error = {relative * mu, relative * mv, 0.0, relative, relative, relative};
+  }
+
   Quad moved(double x, double by) {
     const int choice = static_cast<int>(random_() % 4);
     if (choice == 0) return Quad(x) + Quad(by);
