@@ -111,6 +111,14 @@ TEST(GltfErrors, RefusesJsonThatIsNestedTooDeep) {
   EXPECT_EQ(lineOfJson(R"("extras":"[[[[[[")"), "") << "brackets in strings do not nest";
 }
 
+TEST(GltfErrors, JsonDoesNotEndAtAZeroByte) {
+  const std::string json = R"({"asset":{"version":"2.0"}})";
+  const std::string zero(1, '\0');
+  EXPECT_EQ(errorOf(glbOf(json + zero + "[[[", {})), "t.glb: JSON: a zero byte at byte 27");
+  EXPECT_EQ(errorOf(glbOf(json + zero, {})), errorOf(glbOf(json, {})))
+      << "padding of old exporters";
+}
+
 TEST(GltfErrors, RefusesOtherVersions) {
   EXPECT_EQ(errorOf(bytesOf("{}")), "t.glb: asset: is missing");
   EXPECT_EQ(errorOf(bytesOf(R"({"asset":{}})")), "t.glb: asset: version is missing");
