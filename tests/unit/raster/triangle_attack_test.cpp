@@ -99,7 +99,7 @@ class Attack {
   /// The true determinant's sign and whether the true triangle, cut at the clip planes, holds (u,
   /// v).
   bool holds(Quad u, Quad v) const {
-    Quad sum_w = 0, near_cut = 0, far_cut = 0;
+    Quad near_cut = 0, far_cut = 0;
     const Quad det = determinant();
     for (std::size_t i = 0; i < 3; ++i) {
       const TrueVertex &a = truth[(i + 1) % 3], &b = truth[(i + 2) % 3];
@@ -109,7 +109,6 @@ class Attack {
       if (barycentric < 0) return false;
       near_cut += barycentric * truth[i].near_cut;
       far_cut += barycentric * truth[i].far_cut;
-      sum_w += barycentric;
     }
     return near_cut >= 0 && far_cut >= 0;
   }
