@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
+
+#include "culling/report/svg.h"
 
 namespace culld::report {
 namespace {
@@ -32,18 +33,12 @@ std::vector<Missed> missedBy(const Answer& answer, const OracleAnswer& truth) {
   return missed;
 }
 
-std::string numberOf(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string named(const SceneSnapshot& scene, const Missed& missed) {
   const Instance& instance = scene.instance(missed.object);
   std::string text = "object " + std::to_string(missed.object) + " (node " +
                      std::to_string(instance.node) + ", instance " +
                      std::to_string(instance.instance_number) + ") is visible ";
-  text += missed.subpixel ? "below a pixel" : "in " + numberOf(missed.pixels) + " px";
+  text += missed.subpixel ? "below a pixel" : "in " + shortNumber(missed.pixels) + " px";
   return text + " and was left out";
 }
 
@@ -68,7 +63,7 @@ std::string lostSquare(const Asked& asked, const std::vector<Missed>& missed, do
         largestSquarePx(asked.oracle, asked.camera, object.object, kSamplesPerHole / hole_px);
     if (!side || side.value() < hole_px) continue;
     return named(asked.scene, object) + ", although it fills a square of side " +
-           numberOf(side.value()) + " px";
+           shortNumber(side.value()) + " px";
   }
   return "";
 }
@@ -77,8 +72,8 @@ std::string brokenBound(const Asked& asked, const Answer& answer, double missed_
   // So many pixels by samples that were hit at random: three standard deviations of that number.
   const double doubt_px = 3.0 * std::sqrt(missed_px) / std::max(1U, asked.options.lattice);
   if (!answer.proven || missed_px - doubt_px <= static_cast<double>(answer.missed_px)) return "";
-  return numberOf(missed_px) + " px were missed, more than the proven bound of " +
-         numberOf(static_cast<double>(answer.missed_px)) + " px";
+  return shortNumber(missed_px) + " px were missed, more than the proven bound of " +
+         shortNumber(static_cast<double>(answer.missed_px)) + " px";
 }
 
 std::string breachOf(const Asked& asked, const Answer& answer, const std::vector<Missed>& missed,

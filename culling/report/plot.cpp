@@ -68,8 +68,8 @@ std::string axes(const PlotSpec& spec, const Axis& x, const Axis& y) {
 /// Finds room for words beside markers.
 class Labels {
  public:
-  void block(double left, double right, double y) {
-    taken_.push_back({left - 7, y - 7, right + 7, y + 7});
+  void block(double left, double right, double y, double half) {
+    taken_.push_back({left - half, y - half, right + half, y + half});
   }
   std::string place(double x, double y, const std::string& words) {
     const double width = 5.6 * static_cast<double>(words.size());
@@ -180,8 +180,8 @@ std::string pointPlot(const PlotSpec& spec, const std::vector<PlotSeries>& serie
   for (const PlotSeries& one : series) {
     for (const PlotPoint& point : one.points) {
       svg += pointOf(point, one.style, x, y);
-      labels.block(x.at(point.x), x.at(point.x), y.at(point.y));
-      labels.block(x.at(point.x_low), x.at(point.x_high), y.at(point.y));
+      labels.block(x.at(point.x), x.at(point.x), y.at(point.y), 7);
+      labels.block(x.at(point.x_low), x.at(point.x_high), y.at(point.y), 2);
     }
   }
   for (const PlotSeries& one : series) {
