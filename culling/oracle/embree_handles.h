@@ -22,6 +22,10 @@ using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, SceneReleas
 SceneHandle makePrimitives(RTCDevice device, unsigned count, void* user, RTCBoundsFunction bounds,
                            RTCIntersectFunctionN intersect);
 
+/// May Embree be asked to walk along this ray? Of numbers that are none, or near the end of float's
+/// range, it makes an assertion that fails.
+bool castable(const RTCRay& ray);
+
 /// REQUIRES: a box with room for the rounding to float.
 void setBounds(RTCBounds& out, const glm::dvec3& low, const glm::dvec3& high);
 

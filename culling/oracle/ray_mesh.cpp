@@ -54,6 +54,15 @@ void setBounds(RTCBounds& out, const glm::dvec3& low, const glm::dvec3& high) {
   out.upper_x = f(high.x), out.upper_y = f(high.y), out.upper_z = f(high.z);
 }
 
+bool castable(const RTCRay& ray) {
+  constexpr float kMost = 1e18F;  // Embree's own limit is 1.8e18
+  for (const float x :
+       {ray.org_x, ray.org_y, ray.org_z, ray.dir_x, ray.dir_y, ray.dir_z, ray.tnear, ray.tfar}) {
+    if (!(std::abs(x) < kMost)) return false;
+  }
+  return true;
+}
+
 double MeshTrace::limit() const { return blocked_at * (1.0 + kTieRelative) + tie; }
 
 /// The context that Embree carries through a traversal, with our side of it.
@@ -177,10 +186,6 @@ void RayMesh::trace(MeshTrace& trace, std::vector<MeshHit>& hits) const {
   query.hits = &hits;
   query.entry_distance = closest - kEntry * radius_;
   query.entry = trace.origin + query.entry_distance * trace.direction;
-  if (!hierarchy_) {
-    for (std::uint32_t i = 0; i < triangleCount(); ++i) meet(i, query);
-    return;
-  }
   const auto f = [](double x) { return static_cast<float>(x); };
   RTCRayHit ray{};
   ray.ray.org_x = f(query.entry.x / radius_);
@@ -195,7 +200,11 @@ void RayMesh::trace(MeshTrace& trace, std::vector<MeshHit>& hits) const {
   ray.ray.tfar = f(std::clamp(far, 0.0, 4.0));
   ray.ray.mask = ~0U;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(hierarchy_.get(), &query, &ray);
+  if (hierarchy_ && castable(ray.ray)) {
+    rtcIntersect1(hierarchy_.get(), &query, &ray);
+  } else {
+    for (std::uint32_t i = 0; i < triangleCount(); ++i) meet(i, query);
+  }
 }
 
 }  // namespace culld::oracle

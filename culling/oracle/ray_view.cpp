@@ -137,7 +137,11 @@ void RayView::trace(const Ray& ray, Hits& hits) const {
   embree.ray.tfar = f(std::clamp(ray.t_max * (1.0 + kTieRelative) * query.float_per_t, 0.0, 4.0));
   embree.ray.mask = ~0U;
   embree.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(hierarchy_.get(), &query, &embree);
+  if (castable(embree.ray)) {
+    rtcIntersect1(hierarchy_.get(), &query, &embree);
+  } else {
+    for (std::uint32_t i = 0; i < placed_.size(); ++i) enter(i, query);
+  }
 
   const double last_tie = limit(query.blocked_at);
   std::erase_if(hits.found, [&](const Hit& hit) { return hit.t > last_tie; });
