@@ -19,6 +19,9 @@ ObjectId SceneBuilder::addInstance(MeshId mesh, const std::array<double, 12>& wo
   instance.node = node;
   instance.instance_number = instance_number;
   place(instance, fixed_.meshes[mesh], world_from_mesh);
+  if (instance.always_kept && !fixed_.meshes[mesh].unbounded && lost_++ == 0) {
+    first_lost_node_ = node;
+  }
   scene_->triangle_count_ += fixed_.meshes[mesh].triangles.size();
   scene_->instances_.push_back(instance);
   return static_cast<ObjectId>(scene_->instances_.size() - 1);
@@ -26,7 +29,17 @@ ObjectId SceneBuilder::addInstance(MeshId mesh, const std::array<double, 12>& wo
 
 void SceneBuilder::warn(std::string line) { fixed_.warnings.push_back(std::move(line)); }
 
+void SceneBuilder::warnOfLost() {
+  if (lost_ == 0) return;
+  const std::string more =
+      lost_ == 1 ? "; it is" : ", nor is that of " + std::to_string(lost_ - 1) + " more; they are";
+  warn("node " + std::to_string(first_lost_node_) + ": its object's place is not finite" + more +
+       " always kept");
+  lost_ = 0;
+}
+
 SnapshotPtr SceneBuilder::finish() {
+  warnOfLost();
   SceneSnapshot& scene = *scene_;
   fixed_.meshes.shrink_to_fit();
   fixed_.warnings.shrink_to_fit();

@@ -32,12 +32,17 @@ class SceneBuilder {
   ObjectId addInstance(MeshId mesh, const std::array<double, 12>& world_from_mesh,
                        std::uint32_t node, std::uint32_t instance_number = 0);
   void warn(std::string line);
-  /// Bounds, flags and hashes everything. The builder is empty afterwards.
+  /// Bounds, flags and hashes everything, warns of objects without a finite place. The builder is
+  /// empty afterwards.
   SnapshotPtr finish();
 
  private:
+  void warnOfLost();
+
   std::unique_ptr<SceneSnapshot> scene_ = std::make_unique<SceneSnapshot>();
   SceneSnapshot::FixedParts fixed_;
+  std::uint64_t lost_ = 0;  // objects of bounded meshes whose place is not finite
+  std::uint32_t first_lost_node_ = 0;
 };
 
 }  // namespace culld

@@ -124,6 +124,29 @@ TEST(SceneSnapshot, EqualScenesHaveEqualHashesAndDifferentOnesNot) {
   EXPECT_EQ(hash(1, 0.0, 3, true), hash(1, -0.0, 3, true)) << "minus zero is no other place";
 }
 
+TEST(SceneSnapshot, ObjectsWithoutAFinitePlaceAreWarnedAboutByCount) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({test::unitCube()}));
+  builder.addInstance(mesh, test::kIdentity, 0);
+  builder.addInstance(mesh, test::movedBy(kNan, 0, 0), 7);
+  const SnapshotPtr one = builder.finish();
+  ASSERT_EQ(one->warnings().size(), 1U);
+  EXPECT_EQ(one->warnings()[0], "node 7: its object's place is not finite; it is always kept");
+
+  const MeshId again = builder.addMesh(makeMesh({test::unitCube()}));
+  std::array<double, 12> overflows = test::kIdentity;
+  overflows[0] = overflows[1] = overflows[2] = 1.5e308;  // finite, but its sums are not
+  for (const std::uint32_t node : {4U, 5U}) builder.addInstance(again, overflows, node);
+  builder.addInstance(again, test::movedBy(0, std::numeric_limits<double>::infinity(), 0), 6);
+  const SnapshotPtr three = builder.finish();
+  ASSERT_EQ(three->warnings().size(), 1U);
+  EXPECT_EQ(
+      three->warnings()[0],
+      "node 4: its object's place is not finite, nor is that of 2 more; they are always kept");
+  for (ObjectId id = 0; id < 3; ++id) EXPECT_TRUE(three->instance(id).always_kept);
+}
+
 TEST(SceneSnapshot, TheBuilderIsEmptyAfterwardsAndKeepsWarnings) {
   SceneBuilder builder;
   builder.addInstance(builder.addMesh(makeMesh({test::unitCube()})), test::kIdentity, 0);
