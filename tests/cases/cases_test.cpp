@@ -3,9 +3,15 @@
 // further.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <set>
 
 #include "tests/cases/case.h"
+#include "tests/cases/curve_files.h"
 #include "tests/cases/runner.h"
 
 namespace culld::cases {
@@ -60,6 +66,37 @@ TEST(DepthSlack, IsMeasuredWhereAWallHidesAndInfiniteWhereNothingIsHidden) {
   EXPECT_GT(slack, 0.0);
   EXPECT_LT(slack, 1e4);
   EXPECT_EQ(depthSlackUlps(far, 1.0, 0, "frustum"), std::numeric_limits<double>::infinity());
+}
+
+std::string contentOf(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(CurveFiles, HoldOneRowPerStepAndMethodAndOnePicturePerFamily) {
+  const Family& family = *findFamily("planet");
+  Curve curve{&family, {}};
+  for (const double value : {0.0, 6.4e6}) {
+    CurveStep step{value, runCase(makeCase(family, value, 0)), {}, {}};
+    step.slack_ulps.assign(step.run.methods.size(), 3.0);
+    step.turned_slack_ulps.assign(step.run.methods.size(), kNoSlack);
+    curve.steps.push_back(std::move(step));
+  }
+  const std::string folder = testing::TempDir() + "/culld_curves";
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(writeCurves(std::vector<Curve>{curve}, folder).ok());
+  const std::string csv = contentOf(folder + "/curves.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')),
+            1 + 2 * methodNames().size());
+  EXPECT_NE(csv.find("planet,distance of everything from the world's origin,m,6400000,raster,1,"),
+            csv.npos)
+      << csv;
+  EXPECT_NE(contentOf(folder + "/curves.md").find("### planet\n"), csv.npos);
+  const std::string picture = contentOf(folder + "/planet.svg");
+  EXPECT_TRUE(picture.starts_with("<svg xmlns=") && picture.ends_with("</svg>\n"));
+  EXPECT_EQ(picture.find("nan"), picture.npos);
+  EXPECT_FALSE(writeCurves(std::vector<Curve>{curve}, folder + "/none").ok());
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

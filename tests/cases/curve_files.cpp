@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <fstream>
 
+#include "tests/cases/curve_picture.h"
+
 namespace culld::cases {
 namespace {
 
@@ -11,17 +13,25 @@ std::string shortNumber(double number) {
   if (std::isnan(number)) return "n/a";
   if (std::isinf(number)) return number > 0 ? "infinite" : "-infinite";
   char text[32];
-  std::snprintf(text, sizeof text, "%.4g", number);
+  std::snprintf(text, sizeof text, "%.7g", number);
+  return text;
+}
+
+/// Three digits: of what is measured.
+std::string measured(double number) {
+  if (!std::isfinite(number)) return shortNumber(number);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", number);
   return text;
 }
 
 std::string share(std::size_t part, std::size_t whole) {
-  return whole == 0 ? "n/a" : shortNumber(static_cast<double>(part) / static_cast<double>(whole));
+  return whole == 0 ? "n/a" : measured(static_cast<double>(part) / static_cast<double>(whole));
 }
 
 std::string slackText(double slack) {
   if (slack == kNoSlack) return "n/a";
-  return std::isinf(slack) ? "never" : shortNumber(slack);
+  return std::isinf(slack) ? "never" : measured(slack);
 }
 
 std::string csvOf(std::span<const Curve> curves) {
@@ -40,7 +50,7 @@ std::string csvOf(std::span<const Curve> curves) {
                                         step.run.ties, run.answered, run.missed, run.excess}) {
           csv += ',' + std::to_string(count);
         }
-        csv += ',' + shortNumber(run.time_us / looks);
+        csv += ',' + measured(run.time_us / looks);
         for (const std::uint32_t count :
              {run.work.triangles_drawn, run.work.nodes_visited, run.work.always_kept}) {
           csv += ',' + std::to_string(count);
@@ -73,7 +83,7 @@ std::string markdownOf(const Curve& curve) {
     for (const MethodRun& run : step.run.methods)
       text += " " + share(run.excess, step.run.visible) + " |";
     for (const MethodRun& run : step.run.methods) {
-      text += " " + shortNumber(run.time_us / static_cast<double>(step.run.looks)) + " |";
+      text += " " + measured(run.time_us / static_cast<double>(step.run.looks)) + " |";
     }
     for (const double slack : step.slack_ulps) text += " " + slackText(slack) + " |";
   }
@@ -93,7 +103,11 @@ Result<void> write(const std::string& path, const std::string& text) {
 Result<void> writeCurves(std::span<const Curve> curves, const std::string& folder) {
   if (auto csv = write(folder + "/curves.csv", csvOf(curves)); !csv) return csv;
   std::string text;
-  for (const Curve& curve : curves) text += markdownOf(curve);
+  for (const Curve& curve : curves) {
+    text += markdownOf(curve);
+    const std::string picture = folder + "/" + std::string(curve.family->name) + ".svg";
+    if (auto svg = write(picture, pictureOf(curve)); !svg) return svg;
+  }
   return write(folder + "/curves.md", text);
 }
 

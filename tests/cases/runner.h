@@ -1,4 +1,4 @@
-// Puts every method, and what `auto` picks, through one case on every SIMD target, and judges the
+// Puts every method, `auto` included, through one case on every SIMD target, and judges the
 // answers by the oracle.
 #pragma once
 #include <cstdint>
@@ -50,7 +50,7 @@ CaseRun runCase(const Case& of, const RunOptions& options = {});
 double depthSlackUlps(const Family& family, double value, std::uint64_t seed,
                       std::string_view method);
 
-/// The methods' names, "auto" last.
+/// The methods' names, in the table's order.
 std::vector<std::string> methodNames();
 
 }  // namespace culld::cases
