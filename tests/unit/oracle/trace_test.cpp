@@ -195,14 +195,14 @@ class TraceTest : public testing::TestWithParam<Place> {
     const Place& place = GetParam();
     const glm::dvec3 around(place.offset_m, -place.offset_m, 0.5 * place.offset_m);
     std::size_t agreed = 0;
-    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
       const Compared result = compareScene(randomScene(seed, around, place.size_m),
                                            makeCamera(seed, around, place.size_m), seed);
       EXPECT_EQ(result.missed, 0U) << "seed " << seed;
       EXPECT_EQ(result.wrong, 0U) << "seed " << seed;
       agreed += result.agreed;
     }
-    EXPECT_GT(agreed, 3000U);
+    EXPECT_GT(agreed, 2000U);
   }
 };
 
