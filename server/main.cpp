@@ -9,6 +9,7 @@
 #include "server/command_line.h"
 #include "server/cull_command.h"
 #include "server/methods_command.h"
+#include "server/plan_command.h"
 #include "server/serve_command.h"
 
 namespace culld {
@@ -50,6 +51,9 @@ int run(int argc, char** argv) {
   CLI::App* bench = app.add_subcommand("bench", "Measures error against run time");
   bench->prefix_command();
   bench->set_help_flag();
+  CLI::App* plan = app.add_subcommand("plan", "Says what is used for a scene, and why");
+  plan->prefix_command();
+  plan->set_help_flag();
   CLI::App* methods = app.add_subcommand("methods", "Lists the culling methods");
   methods->add_flag("--json", arguments.json);
   refuseEmptyText(app);
@@ -61,6 +65,7 @@ int run(int argc, char** argv) {
   }
   if (cull->parsed()) return runCull(cull->remaining());
   if (bench->parsed()) return runBench(bench->remaining(), allMethods());
+  if (plan->parsed()) return runPlan(plan->remaining());
   if (!serve->parsed()) return runMethods(arguments.json);
   if (arguments.backend != "auto" && arguments.backend != "cpu") {
     return fail(kUsage, "--backend " + arguments.backend + ": this build has cpu only");

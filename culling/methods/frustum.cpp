@@ -10,7 +10,7 @@ namespace culld {
 namespace {
 
 /// Nanoseconds, measured (docs/planner.md).
-constexpr std::uint64_t kFrameNs = 300, kNodeNs = 40, kAnsweredNs = 4;
+constexpr std::uint64_t kFrameNs = 500, kNodeNs = 50, kAnsweredNs = 4;
 
 class FrustumCuller final : public Culler, public HoldsBoxes {
  public:

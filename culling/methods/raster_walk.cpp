@@ -15,7 +15,7 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 
 // Nanoseconds of counted work, measured (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
-constexpr std::uint64_t kVertexNs = 55, kTriangleNs = 370, kDrawingWorkNs = 16;
+constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
 

@@ -73,22 +73,27 @@ std::string inMs(nanoseconds time) {
   return text;
 }
 
+std::ptrdiff_t viewsThatPay(const Plan& plan) {
+  return std::count_if(plan.views.begin(), plan.views.end(),
+                       [](const PlannedView& view) { return view.gain.count() > 0; });
+}
+
 std::string verdict(const Plan& plan) {
-  const auto pays = std::count_if(plan.views.begin(), plan.views.end(),
-                                  [](const PlannedView& view) { return view.gain.count() > 0; });
+  const auto pays = viewsThatPay(plan);
   return std::string(plan.occlusion->info().name) + " pays in " + std::to_string(pays) + " of " +
          std::to_string(plan.views.size()) + " sampled views, " + inMs(plan.meanGain()) +
          " a view on average";
 }
 
-/// Prepares the occlusion stage and looks through it; keeps it if it pays anywhere.
+/// Prepares the occlusion stage and looks through it. Sampled views are guesses at what clients
+/// will ask, so it is kept if it pays in half of them and on the whole.
 Result<Done> tryOcclusion(const SnapshotPtr& scene, const Clock& clock, Plan& plan,
                           PreparedPlan& prepared) {
   auto occlusion = plan.occlusion->prepareBeside(*prepared.frustum, scene, clock);
   if (!occlusion) return std::move(occlusion).error();
   lookAround(*scene, *prepared.frustum, *occlusion.value(), plan);
-  plan.occlusion_built = std::any_of(plan.views.begin(), plan.views.end(),
-                                     [](const PlannedView& v) { return v.gain.count() > 0; });
+  plan.occlusion_built =
+      2 * viewsThatPay(plan) >= std::ssize(plan.views) && plan.meanGain().count() > 0;
   plan.why = verdict(plan);
   if (plan.occlusion_built) prepared.occlusion = std::move(occlusion).value();
   return Done{};

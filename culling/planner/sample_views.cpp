@@ -9,6 +9,8 @@
 namespace culld {
 namespace {
 
+constexpr double kEyeHeight = 1.7;
+constexpr double kSmallestWorld = 8.0;  ///< half a diagonal; nobody walks in less
 constexpr std::size_t kMostSampled =
     4096;  ///< objects that are looked at to learn the scene's size
 
@@ -66,8 +68,9 @@ class Sampler {
     const double turn = 2.0 * std::numbers::pi * unit();
     const double away = std::min(reachOf(box), reach_) + 0.5 * typical_;
     LookAt look;
-    look.eye =
-        middleOf(box) + glm::dvec3(away * std::cos(turn), 0.25 * typical_, away * std::sin(turn));
+    look.eye = middleOf(box) + away * glm::dvec3(std::cos(turn), 0.0, std::sin(turn));
+    const bool for_people = reach_ > kSmallestWorld;
+    look.eye.y = for_people ? box.min.y + kEyeHeight : look.eye.y + 0.25 * typical_;
     const double heading = 2.0 * std::numbers::pi * unit();
     look.target = along_the_ground
                       ? look.eye + reach_ * glm::dvec3(std::cos(heading), 0.0, std::sin(heading))

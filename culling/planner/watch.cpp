@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kRetryShare = 32;    ///< one part in so many of the frustum's work goes to retries
 constexpr int kPatience = 4;       ///< costs saved up before a retry in a view that has not changed
+constexpr int kMostTrust = 8;      ///< wrong words of the plan before it is believed no more
 constexpr int kLongestMemory = 4;  ///< wasted frames that a long good time makes up for
 
 /// Zero for an orthographic camera: then only the place counts.
@@ -31,15 +32,16 @@ double reachOf(const std::vector<PlannedView>& views) {
 }  // namespace
 
 Watch::Watch(std::shared_ptr<const Plan> plan)
-    : plan_(std::move(plan)), reach_(reachOf(plan_->views)) {
+    : plan_(std::move(plan)), reach_(reachOf(plan_->views)), trust_(kMostTrust) {
+  if (!plan_->occlusion_built) {  // one place is enough to be off everywhere
+    places_.push_back({false, false, Work{0}, plan_->meanOcclusionWork()});
+    return;
+  }
   const Work mean = plan_->meanGain();
   for (const PlannedView& view : plan_->views) {
     // One view says little about its surroundings, so half of the word has the whole scene.
-    places_.push_back({(view.gain + mean).count() > 0, Work{0}, view.occlusion_work});
+    places_.push_back({(view.gain + mean).count() > 0, false, Work{0}, view.occlusion_work});
   }
-  const bool any_on = std::any_of(places_.begin(), places_.end(), [](auto& p) { return p.on; });
-  // Places matter only where they differ: one is enough to be off everywhere.
-  if (!any_on) places_ = {{false, Work{0}, plan_->meanOcclusionWork()}};
 }
 
 std::size_t Watch::placeOf(const Camera& camera) const {
@@ -62,7 +64,7 @@ std::size_t Watch::placeOf(const Camera& camera) const {
 
 bool Watch::wantsOcclusion(const Camera& camera) {
   here_ = placeOf(camera);
-  return places_[here_].on || mayRetry();
+  return planned(places_[here_]) || mayRetry();
 }
 
 /// Only if it could pay at all and is affordable; sooner if the view is not the one of the last
@@ -89,7 +91,9 @@ void Watch::sawOcclusion(const WatchedFrame& frame) {
   const std::int64_t left_out =
       static_cast<std::int64_t>(in_frustum_) - static_cast<std::int64_t>(frame.visible);
   const Work gain = plan_->object_price * std::max<std::int64_t>(left_out, 0) - frame.work;
-  if (place.on) {
+  const bool was_planned = planned(place);
+  learn(place, gain.count() > 0);
+  if (was_planned) {
     place.balance = std::min(place.balance + gain, frame.work * kLongestMemory);
     if (place.balance < -frame.work * 3 / 4) switchTo(place, false);
     return;
@@ -98,7 +102,17 @@ void Watch::sawOcclusion(const WatchedFrame& frame) {
   saved_up_ -= frame.work;
   tried_place_ = here_;
   tried_in_frustum_ = in_frustum_;
-  if (gain > frame.work / 4) switchTo(place, true);
+  if (gain > frame.work / 4) {
+    switchTo(place, true);
+  } else {
+    place.on = false;
+  }
+}
+
+/// The plan's word on places is believed as long as it proves right.
+void Watch::learn(Place& place, bool pays) {
+  if (!place.visited) trust_ = std::clamp(trust_ + (pays ? 1 : -1), 0, kMostTrust);
+  place.visited = true;
 }
 
 void Watch::sawFrustum(const WatchedFrame& frame) {

@@ -37,17 +37,21 @@ class Watch {
   /// The surroundings of one sampled view: cameras next to it share what was learned there.
   struct Place {
     bool on = false;
+    bool visited = false;
     Work balance{0};   ///< of what the stage brought lately
     Work expected{0};  ///< work of the stage the last time here
   };
   std::size_t placeOf(const Camera& camera) const;
   bool mayRetry() const;
+  bool planned(const Place& place) const { return place.on && (place.visited || trust_ > 0); }
+  void learn(Place& place, bool pays);
   void switchTo(Place& place, bool on);
 
   std::shared_ptr<const Plan> plan_;
   std::vector<Place> places_;
   std::size_t here_ = 0;
   double reach_ = 1.0;  ///< distance that counts as much as half a turn
+  int trust_;           ///< in what the plan says of places not visited yet
   Work saved_up_{0};    ///< for retries: a share of what frustum culling has cost since
   std::uint32_t in_frustum_ = 0;
   std::size_t tried_place_ = 0;

@@ -64,10 +64,13 @@ class WideBvh {
   static Result<void> fits(const SceneSnapshot& scene);
 
   /// Scenes of at most this many objects are kept as a flat list (docs/methods/frustum.md).
-  static constexpr std::size_t kFewObjects = 256;
+  static constexpr std::size_t kFewObjects = 128;
 
   /// A flat list for few objects, else a hierarchy. REQUIRES: fits(scene). COST: as build.
   static WideBvh of(const SceneSnapshot& scene);
+
+  /// Active objects in groups of near ones, all of them roots. REQUIRES: fits(scene).
+  static WideBvh flat(const SceneSnapshot& scene);
 
   /// A hierarchy, however few objects there are. REQUIRES: fits(scene). Deterministic for any
   /// number of threads (0: as many as cores). COST: O(n log n); 200 000 objects take well under 150

@@ -288,9 +288,10 @@ class WideBvhBuilder {
 };
 
 WideBvh WideBvh::of(const SceneSnapshot& scene) {
-  if (scene.objectCount() > kFewObjects) return build(scene);
-  return WideBvhBuilder(scene, 1).runFlat();
+  return scene.objectCount() <= kFewObjects ? flat(scene) : build(scene);
 }
+
+WideBvh WideBvh::flat(const SceneSnapshot& scene) { return WideBvhBuilder(scene, 1).runFlat(); }
 
 WideBvh WideBvh::build(const SceneSnapshot& scene, std::size_t threads) {
   return WideBvhBuilder(scene, threads).run();

@@ -6,9 +6,12 @@
 #include <iostream>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "culling/scene/gltf_loader.h"
 #include "tests/scenes/city.h"
+#include "tests/scenes/landscapes.h"
 #include "tests/scenes/random_scene.h"
 #include "tests/scenes/tour.h"
 
@@ -23,7 +26,22 @@ struct Arguments {
   std::uint32_t tour_frames = kTourFrames;
   culld::scenes::CityOptions city;
   culld::scenes::RandomSceneOptions random;
+  culld::scenes::LandscapeOptions landscape;
 };
+
+using MakeLandscape = culld::scenes::Landscape (*)(const culld::scenes::LandscapeOptions&);
+
+void declareLandscape(CLI::App& command, Arguments& arguments) {
+  command.add_option("-o,--output", arguments.glb, "the .glb to write")->required();
+  command.add_option("--cameras", arguments.cameras, "the cameras file to write");
+  command.add_option("--seed", arguments.landscape.seed, "names the scene")->capture_default_str();
+  command.add_option("--objects", arguments.landscape.objects, "how many")
+      ->check(CLI::Range(400, 10'000'000))
+      ->capture_default_str();
+  command.add_option("--frames", arguments.landscape.frames, "cameras")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+}
 
 bool writeFile(const std::string& path, std::span<const char> bytes) {
   std::ofstream out(path, std::ios::binary);
@@ -89,6 +107,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   random->add_option("--objects", arguments.random.objects, "about how many")
       ->capture_default_str();
+  std::vector<std::pair<CLI::App*, MakeLandscape>> landscapes{
+      {app.add_subcommand("arena", "an open field seen from its stands"), culld::scenes::arena},
+      {app.add_subcommand("terrain", "sparse open country"), culld::scenes::sparseTerrain},
+      {app.add_subcommand("rooms", "closed rooms with doors"), culld::scenes::closedRooms}};
+  for (const auto& [command, make] : landscapes) declareLandscape(*command, arguments);
   CLI::App* tour = app.add_subcommand("cameras", "a path through a scene that exists");
   tour->add_option("SCENE", arguments.glb, "the .glb or .gltf to read")->required();
   tour->add_option("-o,--output", arguments.cameras, "the cameras file to write")->required();
@@ -102,6 +125,11 @@ int main(int argc, char** argv) {
   }
   if (random->parsed()) return makeRandom(arguments);
   if (tour->parsed()) return makeTour(arguments);
+  for (const auto& [command, make] : landscapes) {
+    if (!command->parsed()) continue;
+    const culld::scenes::Landscape made = make(arguments.landscape);
+    return write(arguments, made.model, made.cameras);
+  }
   const culld::scenes::City made = culld::scenes::generateCity(arguments.city);
   return write(arguments, made.model, made.cameras);
 }

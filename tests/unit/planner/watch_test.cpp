@@ -28,6 +28,7 @@ std::shared_ptr<const Plan> planWith(std::vector<PlannedView> views) {
   Plan plan;
   plan.object_price = kPrice;
   plan.views = std::move(views);
+  plan.occlusion_built = plan.meanGain().count() > 0;
   return std::make_shared<const Plan>(std::move(plan));
 }
 
