@@ -197,7 +197,7 @@ std::string benchHtml(const BenchReport& report) {
     html += "<nav>";
     for (std::size_t i = 0; i < scenes.size(); ++i) {
       html +=
-          "<a href=\"#scene" + std::to_string(i) + "\">" + escaped(scenes[i].scene.name) + "</a>";
+          "<a href=\"#scene" + std::to_string(i) + "\">" + escaped(scenes[i].scene.name) + "</a> ";
     }
     html += "</nav>\n" + overviewSection(scenes, key);
   }

@@ -118,7 +118,8 @@ std::string makersOf(const std::map<std::string, std::uint64_t>& made_by) {
   std::sort(order.rbegin(), order.rend());
   std::string text;
   for (const auto& [answers, name] : order) {
-    text += (text.empty() ? "" : ", ") + name + " " + std::to_string(100 * answers / all) + " %";
+    text += (text.empty() ? "" : ", ") + name + " " +
+            std::to_string((100 * answers + all / 2) / all) + " %";
   }
   return text;
 }

@@ -111,7 +111,9 @@ std::string shortTime(double microseconds) {
 }
 
 std::string percent(const std::optional<double>& share) {
-  return share ? printed("%.1f %%", 100.0 * *share) : "-";
+  if (!share) return "-";
+  const double tenths = std::round(1000.0 * *share) + 0.0;  // no "-0.0"
+  return printed("%.1f %%", 0.1 * tenths);
 }
 
 std::string coordinate(double px) {

@@ -93,6 +93,13 @@ TEST(ShortTimesAndBytes, TakeTheUnitThatFits) {
   EXPECT_EQ(shortBytes(3.2e9), "3.2 GB");
 }
 
+TEST(Percent, HasOneDigitAfterThePointAndNoNegativeZero) {
+  EXPECT_EQ(percent(0.8844), "88.4 %");
+  EXPECT_EQ(percent(-0.0001), "0.0 %");
+  EXPECT_EQ(percent(-0.016), "-1.6 %");
+  EXPECT_EQ(percent(std::nullopt), "-");
+}
+
 TEST(Escaped, LeavesNoMarkupAndNoBrokenCharacters) {
   EXPECT_EQ(escaped("<a href=\"x\">&"), "&lt;a href=&quot;x&quot;&gt;&amp;");
   EXPECT_EQ(escaped("caf\u00e9"), "caf\u00e9");
