@@ -163,7 +163,7 @@ class SheetAttack : public testing::Test {
     return makeMesh({{t.positions, t.indices, true, chance(3)}});
   }
 
-  /// Any linear map, of about `size`; now and then mirrored, sheared, nearly flat.
+  /// Any linear map, of about `size`; mirrored, sheared, now and then nearly flat.
   std::array<double, 12> placed(const glm::dvec3& at, double size) {
     std::array<double, 12> m{};
     for (std::size_t r = 0; r < 3; ++r) {
@@ -172,6 +172,9 @@ class SheetAttack : public testing::Test {
     }
     const double thin = chance(6) ? std::exp2(real(-50.0, -5.0)) : 1.0;
     for (std::size_t r = 0; r < 3; ++r) m[4 * r + 2] *= thin;
+    if (chance(6)) {  // flat up to rounding: which side is the front hangs on the last bits
+      for (std::size_t r = 0; r < 3; ++r) m[4 * r + 2] = 0.7 * m[4 * r] - 0.3 * m[4 * r + 1];
+    }
     return m;
   }
 
@@ -302,7 +305,7 @@ class SheetAttack : public testing::Test {
 };
 
 TEST_F(SheetAttack, EveryRayThroughACoveredCellMeetsTheObjectAtLeastAsNear) {
-  for (std::uint64_t seed = 1; seed <= 600 && !HasFatalFailure(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= 1000 && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     begin(seed);
     attackOnce();
