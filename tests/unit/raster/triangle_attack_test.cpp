@@ -127,8 +127,10 @@ class Attack {
   /// w is 1 exactly; nearness is a coordinate like the others, with an error of its own.
   void makeOrthographic(double relative) {
     double mu = 0, mv = 0;
+    const bool facing = chance(2);  // all at one depth
+    const double depth = real(-0.2, 1.2);
     for (CellVertex* x : {&p, &q, &r}) {
-      const double n = real(-0.2, 1.2);
+      const double n = facing ? depth : real(-0.2, 1.2);
       *x = {x->u / x->w, x->v / x->w, 1.0, n, 1.0 - n, n};
       mu = std::max(mu, std::abs(x->u));
       mv = std::max(mv, std::abs(x->v));
