@@ -68,9 +68,9 @@ std::string markdownOf(const Curve& curve) {
   const Family& family = *curve.family;
   std::string text = "### " + std::string(family.name) + "\n\n| " + std::string(family.quantity);
   if (!family.unit.empty()) text += " (" + std::string(family.unit) + ")";
-  text += " | visible | missed |";
+  text += " | seen | missed |";
   const auto& methods = curve.steps.front().run.methods;
-  for (const MethodRun& run : methods) text += " " + run.method + " excess |";
+  for (const MethodRun& run : methods) text += " " + run.method + " not seen |";
   for (const MethodRun& run : methods) text += " " + run.method + " us |";
   for (const MethodRun& run : methods) text += " " + run.method + " slack |";
   text += "\n|";
@@ -81,7 +81,7 @@ std::string markdownOf(const Curve& curve) {
     text += "\n| " + shortNumber(step.value) + " | " + std::to_string(step.run.visible) + " | " +
             std::to_string(missed) + " |";
     for (const MethodRun& run : step.run.methods)
-      text += " " + share(run.excess, step.run.visible) + " |";
+      text += " " + share(run.excess, run.answered) + " |";
     for (const MethodRun& run : step.run.methods) {
       text += " " + measured(run.time_us / static_cast<double>(step.run.looks)) + " |";
     }

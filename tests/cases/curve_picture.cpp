@@ -123,10 +123,10 @@ class PanelDrawing {
 
 std::vector<Panel> panelsOf(const Curve& curve) {
   std::vector<Panel> panels{
-      {"kept and not seen / seen", Axis::Kind::kLinear, false,
+      {"share of the answer that is not seen", Axis::Kind::kLinear, false,
        [](const CurveStep& step, std::size_t m) {
          return static_cast<double>(step.run.methods[m].excess) /
-                static_cast<double>(std::max<std::size_t>(1, step.run.visible));
+                static_cast<double>(std::max<std::size_t>(1, step.run.methods[m].answered));
        }},
       {"time per answer (\u00b5s)", Axis::Kind::kLog, false,
        [](const CurveStep& step, std::size_t m) {
