@@ -86,14 +86,14 @@ std::string verdict(const Plan& plan) {
 }
 
 /// Prepares the occlusion stage and looks through it. Sampled views are guesses at what clients
-/// will ask, so it is kept if it pays in half of them and on the whole.
+/// will ask, so it is kept if it pays in nearly half of them and on the whole.
 Result<Done> tryOcclusion(const SnapshotPtr& scene, const Clock& clock, Plan& plan,
                           PreparedPlan& prepared) {
   auto occlusion = plan.occlusion->prepareBeside(*prepared.frustum, scene, clock);
   if (!occlusion) return std::move(occlusion).error();
   lookAround(*scene, *prepared.frustum, *occlusion.value(), plan);
   plan.occlusion_built =
-      2 * viewsThatPay(plan) >= std::ssize(plan.views) && plan.meanGain().count() > 0;
+      20 * viewsThatPay(plan) >= 9 * std::ssize(plan.views) && plan.meanGain().count() > 0;
   plan.why = verdict(plan);
   if (plan.occlusion_built) prepared.occlusion = std::move(occlusion).value();
   return Done{};

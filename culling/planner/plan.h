@@ -26,8 +26,8 @@ struct Plan {
   std::chrono::nanoseconds object_price{0};  ///< of sending one object more
   const Method* frustum = nullptr;           ///< always there: the cheapest conservative method
   const Method* occlusion = nullptr;  ///< what may be switched on; none: nothing could ever pay
-  bool occlusion_built = false;       ///< it pays in half of the sampled views: built at once
-  std::string why;                    ///< one line, on the occlusion stage
+  bool occlusion_built = false;  ///< it pays in nearly half of the sampled views: built at once
+  std::string why;               ///< one line, on the occlusion stage
   std::vector<PlannedView> views;
   std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through all views
 

@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
 #include <thread>
 
-#include "culling/planner/price.h"
 #include "culling/scene/edit.h"
 #include "culling/scene/scene_builder.h"
 #include "tests/unit/planner/counted_method.h"
@@ -13,7 +14,6 @@ namespace culld::testing {
 namespace {
 
 using std::chrono::microseconds;
-using std::chrono::nanoseconds;
 
 /// A row of `count` triangles along x; `blocks`: do they hide anything?
 SnapshotPtr row(std::uint32_t count, bool blocks = true) {
@@ -153,6 +153,44 @@ TEST(AutoMethod, AnswersEqualSequencesOfCamerasEqually) {
     const Camera camera = at(500.0 + 499.0 * std::sin(i * 0.01));
     ASSERT_EQ(culler->cull(camera, {}, first).visible, culler->cull(camera, {}, second).visible);
   }
+}
+
+TEST(AutoMethod, BuildsAStageThatIsWantedLaterOnceWhileNobodyWaits) {
+  std::atomic<bool> dense = false;
+  std::atomic<int> frames = 0;
+  const CountedMethod frustum = boxes();
+  CountedMethod hider("hider", "triangles", [&](const Camera&) {
+    return CountedFrame{microseconds(100), kObjects, dense ? 10 : kObjects};
+  });
+  hider.on_prepare = [&] {
+    if (!dense) return;  // while planning
+    const int before = frames;
+    while (frames < before + 100) std::this_thread::yield();  // the others go on meanwhile
+  };
+  const Method* stages[] = {&frustum, &hider};
+  const auto culler = prepared(stages, row(kObjects));
+  EXPECT_EQ(hider.alive, 0);
+  const std::size_t bytes = culler->preparedBytes();
+  dense = true;
+  std::atomic<int> with_stage = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 3; ++t) {
+      threads.emplace_back([&] {
+        ViewState view;
+        bool taken = false;
+        for (int i = 0; i < 200'000 && !taken; ++i) {
+          taken = culler->cull(at(0), {}, view).made_by == "hider";
+          ++frames;
+        }
+        with_stage += taken ? 1 : 0;
+      });
+    }
+  }
+  EXPECT_EQ(with_stage, 3);
+  EXPECT_EQ(hider.prepared, 2);
+  EXPECT_EQ(hider.alive, 1);
+  EXPECT_GT(culler->preparedBytes(), bytes);
 }
 
 TEST(AutoMethod, RefitsWhatItHasBuiltAndKeepsItsPlan) {
