@@ -211,6 +211,7 @@ Result<void> SceneBench::runBlock(std::size_t image, std::size_t first,
       CameraFigures& figures = runner.figures.cameras[first + i];
       figures.time_us = report::spreadOf(std::move(runner.time_us[i]));
       figures.answered /= options_.repeat;
+      figures.work_us /= options_.repeat;
     }
   }
   return Done{};
@@ -232,6 +233,7 @@ void SceneBench::note(Runner& runner, std::size_t index, const Answer& answer,
                       const Checked& checked, std::uint32_t repetition) {
   CameraFigures& figures = runner.figures.cameras[index];
   figures.answered += static_cast<double>(answer.visible.size());
+  figures.work_us += microseconds(answer.stats.work);
   if (answer.out_of_budget) ++figures.out_of_budget;
   if (std::tuple(checked.missed_px, checked.missed, checked.missed_subpixel) >
       std::tuple(figures.missed_px, figures.missed, figures.missed_subpixel)) {
@@ -259,7 +261,7 @@ void SceneBench::note(Runner& runner, std::size_t index, const Answer& answer,
 /// on the whole keeps most in vain.
 void SceneBench::draw() {
   std::size_t chosen = 0;
-  const auto answered = [this](const BenchRun& run) {
+  const auto answered = [](const BenchRun& run) {
     double sum = 0.0;
     for (const CameraFigures& figures : run.cameras) sum += figures.answered;
     return sum;

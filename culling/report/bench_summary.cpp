@@ -135,9 +135,7 @@ RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run) {
   sum.answer_bytes = means.of([](const auto& c) { return c.answer_bytes; });
   sum.change_bytes = means.of([](const auto& c) { return c.change_bytes; });
   sum.out_of_budget = means.of([](const auto& c) { return c.out_of_budget; }) / scene.repeat;
-  const auto work = [](const CameraFigures& c) {
-    return std::chrono::duration<double, std::micro>(c.stats.work).count();
-  };
+  const auto work = [](const CameraFigures& c) { return c.work_us; };
   sum.work_us = means.of(work);
   sum.relative_work = ratio(sum.work_us, Means(baseline.cameras).of(work));
   if (!(sum.work_us > 0.0)) sum.relative_work.reset();  // the method does not price its work
