@@ -114,7 +114,8 @@ Result<double> largestSquarePx(const Oracle& oracle, const Camera& camera, Objec
   Camera fine = camera;
   const double pixels = static_cast<double>(camera.width_px) * camera.height_px;
   const double most = std::sqrt(kMaxPaintedPixels / pixels);
-  const double scale = std::max(1.0, std::ceil(std::min(per_px, most)));
+  const double scale = std::floor(std::min(std::max(1.0, std::ceil(per_px)), most));
+  if (!(scale >= 1.0)) return 0.0;
   fine.width_px = static_cast<std::uint32_t>(camera.width_px * scale);
   fine.height_px = static_cast<std::uint32_t>(camera.height_px * scale);
   const auto painted = oracle.paint(fine);

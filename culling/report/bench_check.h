@@ -28,7 +28,8 @@ struct Checked {
 Checked checkAnswer(const Asked& asked, const Answer& answer);
 
 /// The side, in pixels, of the largest axis-parallel square in which every sample of a lattice of
-/// `per_px` samples a pixel shows `object`; 0 if none shows it.
+/// `per_px` samples a pixel shows `object`; 0 if none shows it, or if the image has too many pixels
+/// to be searched (2^24).
 Result<double> largestSquarePx(const Oracle& oracle, const Camera& camera, ObjectId object,
                                double per_px);
 

@@ -62,8 +62,10 @@ dt{color:#57606a}dd{margin:0;overflow-wrap:anywhere}
 nav{font-size:14px;line-height:1.9}nav a{margin-right:14px;white-space:nowrap}
 a{color:#0a58a8}
 @media(max-width:600px){body{padding:12px 12px 40px}h1{font-size:21px}h2{font-size:18px}}
-@media print{body{max-width:none;padding:0;font-size:11px}h2{break-before:page}nav{display:none}
- .plots{grid-template-columns:1fr 1fr}table{font-size:8px}th,td{padding:2px 4px}.table{overflow:visible}
+@page{size:A4 landscape;margin:10mm}
+@media print{body{max-width:none;padding:0;font-size:11px}h2{break-before:page;margin-top:0}
+ h2:first-of-type{break-before:auto}nav{display:none}figure.picture{max-width:150mm}
+ .plots{grid-template-columns:1fr 1fr 1fr}table{font-size:7px}th,td{padding:2px 3px}.table{overflow:visible}
  *{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 )";
 
