@@ -25,7 +25,7 @@ using protocol::SceneInfo;
 struct SceneDetails {
   SceneInfo info;
   std::uint64_t file_bytes = 0;
-  std::string method;                 ///< what "auto" means for it
+  std::string method;                 ///< what a view gets that names none
   std::vector<std::string> warnings;  ///< what the loader found odd and survived
 };
 
