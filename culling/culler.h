@@ -30,6 +30,9 @@ struct Demand {
   float hole_px = 0.0F;              ///< with kHole: the side of the hole accepted
   float accepted_missed_px = 0.0F;   ///< loss accepted; 0 demands a superset of E
   std::chrono::nanoseconds time{0};  ///< 0: no limit; past it the answer is cut short, a superset
+  /// As `time`, but of counted work (CullStats::work): the same answer on every machine. Methods
+  /// whose work grows with the boxes alone need not look at it.
+  std::chrono::nanoseconds work{0};
 };
 
 /// Counted work, so that claims can be checked without a clock.

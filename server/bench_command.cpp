@@ -14,6 +14,7 @@
 #include "culling/report/bench.h"
 #include "protocol/answer_file.h"
 #include "protocol/id_set.h"
+#include "protocol/text.h"
 #include "server/command_inputs.h"
 #include "server/command_line.h"
 #include "server/machine.h"
@@ -160,7 +161,7 @@ Result<void> addMethods(const Options& o, BenchScene& scene) {
 Result<SceneFigures> measure(const Options& o, const BenchOptions& options,
                              const std::string& path) {
   BenchScene scene;
-  scene.name = fs::path(path).filename().string();
+  scene.name = protocol::oneLine(fs::path(path).filename().string());
   if (auto added = addCameras(o, camerasOf(o, path), scene); !added) return added.error();
   auto loaded = loadScene(path);
   if (!loaded) return loaded.error();
@@ -192,11 +193,17 @@ BenchFacts factsOf(const Options& o, const std::string& command) {
   BenchFacts facts = machineFacts();
   facts.emplace_back("command", command);
   facts.emplace_back("load at the start", machineLoad());
-  facts.emplace_back("truth", std::to_string(o.samples) + " rays a pixel, " +
+  const auto lattice = static_cast<std::uint32_t>(std::ceil(std::sqrt(o.samples)));
+  facts.emplace_back("truth", std::to_string(lattice * lattice) + " rays a pixel, " +
                                   std::to_string(o.rays) + " aimed at each object not seen, seed " +
                                   std::to_string(o.seed));
   facts.emplace_back("repetitions", std::to_string(o.repeat) + ", the methods in turn");
   return facts;
+}
+
+int say(const BenchReport& report) {
+  std::cout << report.verdict() << '\n' << benchText(report);
+  return report.breaches().empty() ? kFine : kFailed;
 }
 
 int run(Options& o, const std::string& command) {
@@ -216,7 +223,8 @@ int run(Options& o, const std::string& command) {
     auto figures = measure(o, options.value(), path);
     if (!figures) {
       const bool input = figures.error().code != ErrorCode::kUnavailable;
-      return fail(input ? kUsage : kFailed, figures.error().message);
+      const int status = fail(input ? kUsage : kFailed, figures.error().message);
+      return report.breaches().empty() ? status : say(report);
     }
     report.scenes.push_back(std::move(figures).value());
     // After each scene: whoever is interrupted keeps what is done.
@@ -224,8 +232,7 @@ int run(Options& o, const std::string& command) {
       return fail(kDisk, written.error().message);
     }
   }
-  std::cout << report.verdict() << '\n' << benchText(report);
-  return report.breaches().empty() ? kFine : kFailed;
+  return say(report);
 }
 
 }  // namespace

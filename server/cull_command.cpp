@@ -71,11 +71,10 @@ Result<void> checkBackend(const std::string& backend) {
 
 /// Before a large scene is loaded in vain.
 Result<void> checkMethod(const std::string& name) {
-  if (name == "auto") return Done{};
-  std::string known = "auto";
+  std::string known;
   for (const Method* method : allMethods()) {
     if (method->info().name == name) return Done{};
-    known += ", " + std::string(method->info().name);
+    known += (known.empty() ? "" : ", ") + std::string(method->info().name);
   }
   return invalidInput("method " + name + ": unknown; there are " + known);
 }

@@ -21,9 +21,9 @@ std::string processor() {
   std::ifstream file("/proc/cpuinfo");
   for (std::string line; std::getline(file, line);) {
     const auto colon = line.find(':');
-    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) {
-      return line.substr(line.find_first_not_of(" \t", colon + 1));
-    }
+    if (line.rfind("model name", 0) != 0 || colon == std::string::npos) continue;
+    const auto name = line.find_first_not_of(" \t", colon + 1);
+    if (name != std::string::npos) return line.substr(name);
   }
   return "unknown";
 }

@@ -18,7 +18,10 @@ std::string number(double value) {
   return text;
 }
 
-std::string number(const json& value) { return number(value.get<double>()); }
+/// What is not finite is null in JSON.
+std::string number(const json& value) {
+  return value.is_number() ? number(value.get<double>()) : "-";
+}
 std::string percent(const json& share) { return number(100.0 * share.get<double>()) + " %"; }
 std::string words(const json& text) { return text.get<std::string>(); }
 std::string count(const json& value) { return std::to_string(value.get<std::uint64_t>()); }

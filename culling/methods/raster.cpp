@@ -19,7 +19,8 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     const Deadline deadline(clock_, start, demand.time);
     Answer answer;
     if (camera.motion.still()) {
-      RasterWalk(*boxes_.scene(), boxes_.bvh(), camera, deadline, view.memory<RasterMemory>())
+      RasterWalk(*boxes_.scene(), boxes_.bvh(), camera, deadline, demand.work,
+                 view.memory<RasterMemory>())
           .run(answer);
     } else {
       cullFrustumOnly(camera, deadline, answer);
@@ -28,7 +29,8 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
     if (!answer.out_of_budget || answer.stats.in_frustum != 0)
       answer.stats.in_frustum += answer.stats.always_kept;
-    if (answer.out_of_budget) answer.note = "raster: out of time, undecided objects are kept";
+    if (answer.out_of_budget)
+      answer.note = "raster: out of time or work, undecided objects are kept";
     answer.stats.time = clock_.now() - start;
     return answer;
   }

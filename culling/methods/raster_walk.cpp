@@ -32,10 +32,12 @@ CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid)
 }  // namespace
 
 RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
-                       const Deadline& deadline, RasterMemory& memory)
+                       const Deadline& deadline, std::chrono::nanoseconds most_work,
+                       RasterMemory& memory)
     : scene_(scene),
       bvh_(bvh),
       deadline_(deadline),
+      most_work_(most_work),
       memory_(memory),
       frustum_(camera, bvh),
       view_(cellView(camera, gridFor(camera))),
@@ -151,6 +153,10 @@ void RasterWalk::keepTheRest(Answer& answer) {
   answer.out_of_budget = true;
 }
 
+std::chrono::nanoseconds RasterWalk::work() const {
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_);
+}
+
 void RasterWalk::run(Answer& answer) {
   const CellRect everything{0, view_.grid.width - 1, 0, view_.grid.height - 1};
   for (std::uint32_t root = 0; root < bvh_.rootCount(); ++root) {
@@ -160,7 +166,7 @@ void RasterWalk::run(Answer& answer) {
   bool in_time = true;
   for (std::uint32_t taken = 0; in_time && !memory_.queue.empty(); ++taken) {
     if (taken % kItemsPerLook == 0) in_time = !deadline_.passed();
-    if (in_time) in_time = takeNearest();
+    if (in_time) in_time = takeNearest() && (most_work_.count() == 0 || work() < most_work_);
   }
   if (!in_time) {
     keepTheRest(answer);
@@ -168,7 +174,7 @@ void RasterWalk::run(Answer& answer) {
     answerCandidates(answer);
     stats_.in_frustum = in_frustum_;
   }
-  stats_.work = std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_);
+  stats_.work = work();
   answer.stats = stats_;
 }
 

@@ -35,7 +35,7 @@ struct RasterMemory final : ViewState::Memory {
 class RasterWalk {
  public:
   RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
-             const Deadline& deadline, RasterMemory& memory);
+             const Deadline& deadline, std::chrono::nanoseconds most_work, RasterMemory& memory);
 
   /// Appends the objects not proven hidden to answer.visible, in no particular order.
   void run(Answer& answer);
@@ -49,6 +49,7 @@ class RasterWalk {
   bool worthDrawing(const RasterItem& item) const;
   bool drawObject(const RasterItem& item);
   void keepTheRest(Answer& answer);
+  std::chrono::nanoseconds work() const;
   void push(const RasterItem& item);
   RasterItem pop();
   bool hidden(const RasterItem& item) const {
@@ -58,6 +59,7 @@ class RasterWalk {
   const SceneSnapshot& scene_;
   const WideBvh& bvh_;
   const Deadline& deadline_;
+  std::chrono::nanoseconds most_work_;  ///< 0: no limit
   RasterMemory& memory_;
   FrustumTest frustum_;
   CellView view_;

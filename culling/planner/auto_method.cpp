@@ -100,11 +100,12 @@ class AutoCuller final : public Culler {
             static_cast<std::uint32_t>(answer.visible.size())};
   }
 
-  /// Built when first wanted. Nobody waits: who comes meanwhile does without.
+  /// Built when first wanted, from the frustum's boxes. Who comes meanwhile waits, so that no
+  /// view's answer hangs on another's.
   const Culler* occlusionCuller() const {
     if (occlusion_ready_.load(std::memory_order_acquire)) return occlusion_.get();
-    const std::unique_lock lock(building_, std::try_to_lock);
-    if (!lock.owns_lock() || failed_) return nullptr;
+    const std::scoped_lock lock(building_);
+    if (failed_) return nullptr;
     if (occlusion_ == nullptr) {
       auto built = plan_->occlusion->prepareBeside(*frustum_, scene_, clock_);
       failed_ = !built;

@@ -44,7 +44,9 @@ PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culle
                         nanoseconds object_price) {
   ViewState fresh_frustum, fresh_occlusion;
   const Answer without = frustum.cull(camera, {}, fresh_frustum);
-  const Answer with = occlusion.cull(camera, {}, fresh_occlusion);
+  Demand bounded;
+  bounded.work = kMostWork;  // cut short, it counts what occlusion brought until then
+  const Answer with = occlusion.cull(camera, bounded, fresh_occlusion);
   PlannedView view;
   view.camera = camera;
   view.in_frustum = static_cast<std::uint32_t>(without.visible.size());

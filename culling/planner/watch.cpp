@@ -111,7 +111,7 @@ void Watch::sawOcclusion(const WatchedFrame& frame) {
 
 /// The plan's word on places is believed as long as it proves right.
 void Watch::learn(Place& place, bool pays) {
-  if (!place.visited) trust_ = std::clamp(trust_ + (pays ? 1 : -1), 0, kMostTrust);
+  if (!place.visited) trust_ = std::clamp(trust_ + (pays == place.on ? 1 : -1), 0, kMostTrust);
   place.visited = true;
 }
 

@@ -224,6 +224,7 @@ void SceneBench::ask(Runner& runner, const Camera& camera, std::size_t index, st
   runner.time_us[index - first].push_back(microseconds(options_.clock.now() - start));
   const Asked asked{*oracle_, *scene_.scene, camera, truth, options_.truth, runner.demand};
   const Checked checked = report::checkAnswer(asked, answer);
+  if (checked.malformed) answer.visible.clear();  // nothing to be counted, sent or drawn
   note(runner, index, answer, checked, repetition);
   runner.worst.consider(index, answer.visible, checked, truth.visible.size());
   if (repetition == 0) runner.before = std::move(answer.visible);

@@ -99,7 +99,8 @@ std::string breachOf(const Asked& asked, const Answer& answer, const std::vector
 Checked checkAnswer(const Asked& asked, const Answer& answer) {
   Checked checked;
   checked.breach = malformed(asked.scene, answer);
-  if (!checked.breach.empty()) return checked;
+  checked.malformed = !checked.breach.empty();
+  if (checked.malformed) return checked;
   const std::vector<Missed> missed = missedBy(answer, asked.truth);
   for (const Missed& object : missed) {
     ++(object.subpixel ? checked.missed_subpixel : checked.missed);

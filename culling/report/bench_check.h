@@ -21,7 +21,8 @@ struct Checked {
   std::uint32_t missed = 0;           ///< of what samples saw
   std::uint32_t missed_subpixel = 0;  ///< of what only aimed rays saw
   double missed_px = 0.0;
-  std::string breach;  ///< empty: the promise is kept
+  bool malformed = false;  ///< what it answers is not a set of the scene's ids
+  std::string breach;      ///< empty: the promise is kept
 };
 
 /// COST: O(answered + visible); more only for classes hole and sampled that miss much.

@@ -72,7 +72,7 @@ done <<'END'
 74|/nonexistent/a.json: cannot write: No such file or directory|--cameras c.json -o /nonexistent/a.json
 END
 
-expect 2 "culld: method nope: unknown; there are auto, $methods" "${local_cull[@]}" --cameras c.json -o a.json --method nope
+expect 2 "culld: method nope: unknown; there are $methods" "${local_cull[@]}" --cameras c.json -o a.json --method nope
 expect 2 'cullctl: method "nope" is not known' "${remote_cull[@]}" --cameras c.json -o a.json --method nope
 expect 2 'culld: backend egl-surfaceless: this build culls on the CPU only' "${local_cull[@]}" --cameras c.json -o a.json --backend egl-surfaceless
 expect 2 'culld: backend egl-device:1: this build culls on the CPU only' "${local_cull[@]}" --cameras c.json -o a.json --backend egl-device:1
@@ -111,7 +111,7 @@ expect 2 'cullctl: NAME: is empty' "$cullctl" info '' --connect "$tcp"
 expect 2 'cullctl: --connect: is empty' "$cullctl" list --connect ''
 
 # Whatever an argument holds, the error is one line.
-expect 2 "culld: method x\\ny: unknown; there are auto, $methods" "${local_cull[@]}" --cameras c.json -o a.json --method $'x\ny'
+expect 2 "culld: method x\\ny: unknown; there are $methods" "${local_cull[@]}" --cameras c.json -o a.json --method $'x\ny'
 expect 2 'cullctl: method "x\ny" is not known' "${remote_cull[@]}" --cameras c.json -o a.json --method $'x\ny'
 expect 2 'culld: no\n\x1b[31mfile: cannot read: No such file or directory' "${local_cull[@]}" --cameras $'no\n\e[31mfile' -o a.json
 expect 2 'cullctl: The following argument was not expected: --a\nb' "$cullctl" list $'--a\nb' --connect "$tcp"

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "culling/methods/frustum.h"
 #include "culling/methods/raster.h"
 #include "culling/planner/auto_method.h"
 #include "culling/planner/sample_views.h"
+#include "culling/scene/scene_builder.h"
 #include "tests/scenes/city.h"
 #include "tests/scenes/landscapes.h"
 
@@ -61,6 +64,24 @@ TEST(Plan, StopsLookingOnceItHasCountedEnoughWork) {
   EXPECT_EQ(small.plan->views.size(), 32U);
   std::chrono::nanoseconds last = large.plan->views.back().occlusion_work;
   EXPECT_LT(large.plan->planning_work - 2 * last, std::chrono::milliseconds(100));
+}
+
+TEST(Plan, BoundsTheWorkOfEachViewWhereThingsStandInOneHeap) {
+  RawSurface square;
+  square.double_sided = true;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.indices = {0, 1, 2, 0, 2, 3};
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({square}));
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const double c = std::cos(i), s = std::sin(i);
+    builder.addInstance(mesh, {c, 0, s, 0, 0, 1, 0, 0, -s, 0, c, 0}, i);
+  }
+  const auto prepared = makePlan(builder.finish(), stages(), steadyClock());
+  ASSERT_TRUE(prepared.ok());
+  for (const PlannedView& view : prepared.value().plan->views) {
+    EXPECT_LT(view.occlusion_work, std::chrono::milliseconds(120));
+  }
 }
 
 TEST(Plan, IsTheSameEveryTime) {

@@ -148,5 +148,16 @@ TEST(Watch, CountsAFrameCutShortAsNoGainItCannotProve) {
   EXPECT_LE(fly(watch, at(0), cut, 100), 2);
 }
 
+TEST(Watch, BelievesThePlanNoLessWhereItRightlySaidNo) {
+  std::vector<PlannedView> views;
+  for (int i = 0; i < 30; ++i) views.push_back(sampled(10.0 * i, -microseconds(10'000)));
+  views.push_back(sampled(1000.0, microseconds(1'000'000)));
+  Watch watch(planWith(std::move(views)));
+  // Retries in places that the plan has rightly left out.
+  for (int i = 0; i < 30; ++i) fly(watch, at(10.0 * i), kUseless, 4000);
+  EXPECT_GT(watch.retries(), 10U);
+  EXPECT_TRUE(watch.wantsOcclusion(at(1000)));
+}
+
 }  // namespace
 }  // namespace culld

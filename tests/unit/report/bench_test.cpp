@@ -83,6 +83,15 @@ TEST_F(Bench, FindsThatAVisibleObjectWasLeftOut) {
       << verdict;
 }
 
+TEST_F(Bench, NeitherCountsNorDrawsIdsThatAreNotOfTheScene) {
+  const ScriptedMethod beyond("beyond", Guarantee::kConservative, Ids{0, 1, 2, 3, 4'000'000});
+  const BenchReport report = reportOf({&frustum_, &beyond});
+  const BenchRun& run = report.scenes[0].runs[1];
+  EXPECT_EQ(run.breaches, 3U);
+  EXPECT_EQ(run.cameras[0].answered, 0.0);
+  EXPECT_NE(report.verdict().find("object 4000000 is not in the scene"), std::string::npos);
+}
+
 TEST_F(Bench, SaysSoInTheFirstLineOfEveryReport) {
   const BenchReport report = reportOf({&frustum_, &wrong_});
   const std::string csv = benchCsv(report), html = benchHtml(report);
