@@ -244,16 +244,7 @@ int runBench(std::vector<std::string> arguments, std::span<const Method* const> 
   options.table = methods;
   CLI::App app("error against run time: scenes x methods x settings", "culld bench");
   declare(app, options);
-  refuseEmptyText(app);
-  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
-  try {
-    app.parse(std::move(arguments));
-  } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
-    return kFine;
-  } catch (const CLI::ParseError& error) {
-    return fail(kUsage, error.what());
-  }
+  if (const auto done = parseArguments(app, std::move(arguments))) return *done;
   return run(options, command);
 }
 

@@ -1,8 +1,10 @@
 #include "server/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
-#include <string>
+#include <iostream>
+#include <utility>
 
 #include "protocol/text.h"
 
@@ -19,6 +21,20 @@ void refuseEmptyText(CLI::App& app) {
     option->check([](const std::string& text) { return text.empty() ? "is empty" : ""; });
   }
   for (CLI::App* command : app.get_subcommands({})) refuseEmptyText(*command);
+}
+
+std::optional<int> parseArguments(CLI::App& app, std::vector<std::string> arguments) {
+  refuseEmptyText(app);
+  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
+  try {
+    app.parse(std::move(arguments));
+  } catch (const CLI::CallForHelp&) {
+    std::cout << app.help();
+    return kFine;
+  } catch (const CLI::ParseError& error) {
+    return fail(kUsage, error.what());
+  }
+  return std::nullopt;
 }
 
 int checkStdout(int code) {

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <iostream>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -157,16 +156,7 @@ int runCull(std::vector<std::string> arguments) {
   Options options;
   CLI::App app("answers a file of cameras on one scene", "culld cull");
   declare(app, options);
-  refuseEmptyText(app);
-  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
-  try {
-    app.parse(std::move(arguments));
-  } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
-    return kFine;
-  } catch (const CLI::ParseError& error) {
-    return fail(kUsage, error.what());
-  }
+  if (const auto done = parseArguments(app, std::move(arguments))) return *done;
   return run(options);
 }
 

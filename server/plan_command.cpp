@@ -1,7 +1,6 @@
 #include "server/plan_command.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <iostream>
 #include <utility>
 
@@ -41,16 +40,7 @@ int runPlan(std::vector<std::string> arguments) {
   app.add_option("SCENE", options.scene, "glTF scene, .glb or .gltf")->required();
   app.add_option("--cameras", options.cameras, "measure on these cameras too");
   app.add_flag("--json", options.json, "for programs");
-  refuseEmptyText(app);
-  std::reverse(arguments.begin(), arguments.end());  // the order that CLI11 takes
-  try {
-    app.parse(std::move(arguments));
-  } catch (const CLI::CallForHelp&) {
-    std::cout << app.help();
-    return kFine;
-  } catch (const CLI::ParseError& error) {
-    return fail(kUsage, error.what());
-  }
+  if (const auto done = parseArguments(app, std::move(arguments))) return *done;
   return run(options);
 }
 

@@ -114,9 +114,8 @@ void walk(const SceneSnapshot& scene, std::span<const Camera> cameras, const Pla
         c.triangles +=
             share * static_cast<double>(scene.mesh(scene.instance(id).mesh).triangles.size());
       }
-      if (plan.occlusion != nullptr && answer.made_by == plan.occlusion->info().name) {
-        ++c.by_occlusion;
-      }
+      const std::string_view maker = answer.made_by.empty() ? c.name : answer.made_by;
+      if (plan.occlusion != nullptr && maker == plan.occlusion->info().name) ++c.by_occlusion;
     }
   }
 }

@@ -9,9 +9,6 @@
 namespace culld {
 namespace {
 
-/// Nanoseconds, measured (docs/planner.md).
-constexpr std::uint64_t kFrameNs = 500, kNodeNs = 50, kAnsweredNs = 4;
-
 class FrustumCuller final : public Culler, public HoldsBoxes {
  public:
   FrustumCuller(PreparedBoxes boxes, const Clock& clock)
@@ -31,8 +28,7 @@ class FrustumCuller final : public Culler, public HoldsBoxes {
     answer.stats.tested = walk.tested;
     answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
     answer.stats.always_kept = static_cast<std::uint32_t>(bvh.alwaysKept().size());
-    answer.stats.work = std::chrono::nanoseconds(kFrameNs + kNodeNs * walk.nodes_visited +
-                                                 kAnsweredNs * answer.visible.size());
+    answer.stats.work = walk.work(answer.visible.size());
     answer.stats.time = clock_.now() - start;
     return answer;
   }
@@ -64,12 +60,6 @@ class FrustumMethod final : public Method {
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
     return FrustumCuller::around(PreparedBoxes::of(std::move(scene)), clock);
-  }
-  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
-                                                const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
-    return FrustumCuller::around(lender->boxes(), clock);
   }
 };
 

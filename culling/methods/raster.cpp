@@ -58,6 +58,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     answer.stats.tested = walk.tested;
     answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
     answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
+    answer.stats.work = walk.work(answer.visible.size());
     answer.out_of_budget = walk.out_of_time;
     answer.note = "raster: the request has a motion bound, occlusion is left out";
   }

@@ -133,14 +133,9 @@ MethodInfo AutoMethod::info() const noexcept {
 }
 
 Result<void> AutoMethod::accepts(const SceneProfile& profile) const {
-  std::string refusals;
-  for (const Method* method : stages_) {
-    if (method->info().guarantee != Guarantee::kConservative) continue;
-    auto accepted = method->accepts(profile);
-    if (accepted) return Done{};
-    refusals += "; " + std::string(method->info().name) + ": " + accepted.error().message;
-  }
-  return Error{ErrorCode::kUnsupported, "no conservative method is for this scene" + refusals};
+  const auto stages = chooseStages(profile, stages_);
+  if (!stages) return stages.error();
+  return Done{};
 }
 
 Result<std::unique_ptr<Culler>> AutoMethod::prepare(SnapshotPtr scene, const Clock& clock) const {

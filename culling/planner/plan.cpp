@@ -18,28 +18,6 @@ constexpr nanoseconds kMostWork = std::chrono::milliseconds(100);
 /// What a method needs, as MethodInfo says it: boxes make the cheapest methods.
 constexpr std::string_view kBoxes = "boxes";
 
-struct Candidates {
-  const Method* frustum = nullptr;
-  const Method* occlusion = nullptr;
-  std::string refusals;  ///< "; NAME: why not" of each that declined the scene
-};
-
-Candidates candidatesFor(const SceneProfile& profile, std::span<const Method* const> methods) {
-  Candidates found;
-  for (const Method* method : methods) {
-    const MethodInfo info = method->info();
-    if (info.guarantee != Guarantee::kConservative) continue;
-    const Method*& place = info.needs == kBoxes ? found.frustum : found.occlusion;
-    if (place != nullptr) continue;
-    if (auto accepted = method->accepts(profile); accepted) {
-      place = method;
-    } else {
-      found.refusals += "; " + std::string(info.name) + ": " + accepted.error().message;
-    }
-  }
-  return found;
-}
-
 PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culler& occlusion,
                         nanoseconds object_price) {
   ViewState fresh_frustum, fresh_occlusion;
@@ -61,9 +39,9 @@ PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culle
 
 void lookAround(const SceneSnapshot& scene, const Culler& frustum, const Culler& occlusion,
                 Plan& plan) {
-  for (const Camera& camera : sampleViews(scene, kMostViews)) {
+  for (const SampledView& view : sampleViews(scene, kMostViews)) {
     if (plan.views.size() >= kLeastViews && plan.planning_work > kMostWork) break;
-    plan.views.push_back(lookThrough(camera, frustum, occlusion, plan.object_price));
+    plan.views.push_back(lookThrough(view.camera, frustum, occlusion, plan.object_price));
     plan.planning_work += plan.views.back().frustum_work + plan.views.back().occlusion_work;
   }
 }
@@ -115,27 +93,43 @@ nanoseconds Plan::meanOcclusionWork() const noexcept {
   return views.empty() ? sum : sum / static_cast<std::int64_t>(views.size());
 }
 
+Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method* const> methods) {
+  Stages found;
+  for (const Method* method : methods) {
+    const MethodInfo info = method->info();
+    if (info.guarantee != Guarantee::kConservative) continue;
+    const Method*& place = info.needs == kBoxes ? found.frustum : found.occlusion;
+    if (place != nullptr) continue;
+    if (auto accepted = method->accepts(profile); accepted) {
+      place = method;
+    } else {
+      found.refusals += "; " + std::string(info.name) + ": " + accepted.error().message;
+    }
+  }
+  if (found.frustum == nullptr) std::swap(found.frustum, found.occlusion);
+  if (found.frustum != nullptr) return found;
+  return Error{ErrorCode::kUnsupported,
+               "no conservative method is for this scene" + found.refusals};
+}
+
 Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* const> methods,
                               const Clock& clock) {
   Plan plan;
   plan.profile = profileScene(*scene);
   plan.object_price = meanObjectPrice(plan.profile);
-  const Candidates found = candidatesFor(plan.profile, methods);
-  plan.frustum = found.frustum != nullptr ? found.frustum : found.occlusion;
-  if (plan.frustum == nullptr) {
-    return Error{ErrorCode::kUnsupported,
-                 "no conservative method is for this scene" + found.refusals};
-  }
+  const auto stages = chooseStages(plan.profile, methods);
+  if (!stages) return stages.error();
+  plan.frustum = stages.value().frustum;
   PreparedPlan prepared;
   auto frustum = plan.frustum->prepare(scene, clock);
   if (!frustum) return std::move(frustum).error();
   prepared.frustum = std::move(frustum).value();
   if (plan.profile.blocking_triangles == 0) {
     plan.why = "nothing in the scene blocks a view";
-  } else if (found.occlusion == nullptr || found.occlusion == plan.frustum) {
-    plan.why = "no other conservative method is for this scene" + found.refusals;
+  } else if (stages.value().occlusion == nullptr) {
+    plan.why = "no other conservative method is for this scene" + stages.value().refusals;
   } else {
-    plan.occlusion = found.occlusion;
+    plan.occlusion = stages.value().occlusion;
     if (auto tried = tryOcclusion(scene, clock, plan, prepared); !tried) {
       plan.occlusion = nullptr;
       plan.why = tried.error().message;

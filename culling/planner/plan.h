@@ -42,10 +42,19 @@ struct PreparedPlan {
   std::unique_ptr<Culler> occlusion;  ///< none unless plan->occlusion_built
 };
 
-/// Takes the first conservative method that needs boxes only and the first other conservative one
-/// that accepts the scene. GUARANTEES: the same plan on every machine. COST: preparing both and
+struct Stages {
+  const Method* frustum = nullptr;    ///< the first that needs boxes only, if there is one
+  const Method* occlusion = nullptr;  ///< the first other one; none: there is no choice
+  std::string refusals;               ///< "; NAME: why not" of each that declined the scene
+};
+
+/// Of the conservative methods among `methods` that accept the scene.
+/// ERROR: kUnsupported: there is none.
+Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method* const> methods);
+
+/// GUARANTEES: the same plan on every machine. COST: preparing both and
 /// looking through at most 32 views, stopped after 100 ms of counted work.
-/// ERROR: kUnsupported: no conservative method of `methods` accepts the scene.
+/// ERROR: as chooseStages().
 Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* const> methods,
                               const Clock& clock);
 

@@ -6,27 +6,17 @@
 #include <numbers>
 #include <random>
 
+#include "culling/planner/sampled_objects.h"
+
 namespace culld {
 namespace {
 
 constexpr double kEyeHeight = 1.7;
 constexpr double kSmallestWorld = 8.0;  ///< half a diagonal; nobody walks in less
-constexpr std::size_t kMostSampled =
-    4096;  ///< objects that are looked at to learn the scene's size
+constexpr std::size_t kSampled = 4096;  ///< objects looked at to learn the scene's size
 
 glm::dvec3 middleOf(const Box& box) { return 0.5 * box.min + 0.5 * box.max; }
 double reachOf(const Box& box) { return glm::length(0.5 * box.max - 0.5 * box.min); }
-
-std::vector<Box> sampledBoxes(const SceneSnapshot& scene) {
-  std::vector<Box> boxes;
-  const std::size_t step = std::max<std::size_t>(1, scene.objectCount() / kMostSampled);
-  for (std::size_t i = 0; i < scene.objectCount(); i += step) {
-    const Instance& instance = scene.instance(static_cast<ObjectId>(i));
-    if (!instance.active() || instance.always_kept || !instance.bounds_world.finite()) continue;
-    boxes.push_back(instance.bounds_world);
-  }
-  return boxes;
-}
 
 /// Where nine tenths of the objects are, so that a sky dome or a stray object moves no camera.
 Box crowdedPart(const std::vector<Box>& boxes) {
@@ -93,16 +83,21 @@ class Sampler {
 
 }  // namespace
 
-std::vector<Camera> sampleViews(const SceneSnapshot& scene, std::size_t count) {
-  std::vector<Box> boxes = sampledBoxes(scene);
-  std::vector<Camera> views;
+std::vector<SampledView> sampleViews(const SceneSnapshot& scene, std::size_t count) {
+  std::vector<Box> boxes;
+  for (const ObjectId id : sampledObjects(scene, kSampled)) {
+    boxes.push_back(scene.instance(id).bounds_world);
+  }
+  std::vector<SampledView> views;
   if (boxes.empty()) return views;
   Sampler sampler(std::move(boxes));
   for (std::size_t i = 0; i < count; ++i) {
-    LookAt look = i % 4 == 3 ? sampler.over() : sampler.beside(i % 2 == 0);
+    const bool outside = i % 4 == 3;
+    LookAt look = outside ? sampler.over() : sampler.beside(i % 2 == 0);
     look.znear_m = 1e-4 * sampler.reach();
     // A view straight up or onto itself is no camera; the scene has others.
-    if (auto camera = cameraFromLookAt(look, ImageSize{}); camera) views.push_back(camera.value());
+    const auto camera = cameraFromLookAt(look, ImageSize{});
+    if (camera) views.push_back({camera.value(), outside});
   }
   return views;
 }

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "culling/planner/sample_views.h"
+#include "culling/planner/sampled_objects.h"
 #include "culling/planner/scene_profile.h"
 
 namespace culld {
 namespace {
 
-constexpr std::size_t kMostBoxes = 2048, kViews = 16, kVerticals = 256;
+constexpr std::size_t kBoxes = 2048, kViews = 16, kVerticals = 256;
 
 struct SampledBox {
   Box box;
@@ -27,10 +28,8 @@ bool blocks(const Mesh& mesh) {
 
 std::vector<SampledBox> sampledBoxes(const SceneSnapshot& scene) {
   std::vector<SampledBox> boxes;
-  const std::size_t step = scene.objectCount() / kMostBoxes + 1;
-  for (std::size_t i = 0; i < scene.objectCount(); i += step) {
-    const Instance& instance = scene.instance(static_cast<ObjectId>(i));
-    if (!instance.active() || instance.always_kept || !instance.bounds_world.finite()) continue;
+  for (const ObjectId id : sampledObjects(scene, kBoxes)) {
+    const Instance& instance = scene.instance(id);
     boxes.push_back({instance.bounds_world, blocks(scene.mesh(instance.mesh))});
   }
   return boxes;
@@ -48,7 +47,7 @@ double entry(const Box& box, const glm::dvec3& from, const glm::dvec3& towards) 
   return enters <= leaves ? enters : -1.0;
 }
 
-/// Thirteen axes of a cube, both ways; none lies in a plane of an axis, so nothing divides by zero.
+/// Spread all around; none lies in a plane of two axes, so nothing divides by zero.
 std::vector<glm::dvec3> directions() {
   std::vector<glm::dvec3> all;
   for (const double x : {-1.0, 0.01, 1.0}) {
@@ -122,17 +121,15 @@ SceneShape shapeOf(const SceneSnapshot& scene) {
   shape.triangles_per_object = static_cast<double>(profile.triangles) / objects;
   measureSizes(boxes, shape);
   RaySums all, inside;
-  const std::vector<Camera> views = sampleViews(scene, kViews);
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    castFrom(views[v].origin_world, boxes, all);
-    if (v % 4 != 3)
-      castFrom(views[v].origin_world, boxes, inside);  // each fourth looks from outside
+  for (const SampledView& view : sampleViews(scene, kViews)) {
+    castFrom(view.camera.origin_world, boxes, all);
+    if (!view.outside) castFrom(view.camera.origin_world, boxes, inside);
   }
   if (all.rays > 0.0) {
     const double per_sampled = objects / static_cast<double>(boxes.size());
     shape.depth_complexity = all.met / all.rays * per_sampled;
     shape.occluder_potential = all.hidden_behind / all.rays;
-    shape.closedness = inside.ended / inside.rays;
+    if (inside.rays > 0.0) shape.closedness = inside.ended / inside.rays;
   }
   const std::size_t step = boxes.size() / kVerticals + 1;
   double upright = 0.0, asked = 0.0;

@@ -13,21 +13,6 @@ bool finite(const std::array<double, 12>& rows) {
   return std::all_of(rows.begin(), rows.end(), [](double m) { return std::isfinite(m); });
 }
 
-/// Sign of the determinant of the linear part; rows are scaled to 1 so that it cannot underflow.
-bool mirrors(const std::array<double, 12>& m) {
-  std::array<glm::dvec3, 3> row{};
-  for (std::size_t r = 0; r < 3; ++r) {
-    row[r] = {m[4 * r], m[4 * r + 1], m[4 * r + 2]};
-    const double scale = std::max({std::abs(row[r].x), std::abs(row[r].y), std::abs(row[r].z)});
-    if (!(scale > 0.0)) return false;
-    row[r] /= scale;
-  }
-  return row[0].x * (row[1].y * row[2].z - row[1].z * row[2].y) -
-             row[0].y * (row[1].x * row[2].z - row[1].z * row[2].x) +
-             row[0].z * (row[1].x * row[2].y - row[1].y * row[2].x) <
-         0.0;
-}
-
 struct Range {
   double low, high;
 };
@@ -68,10 +53,8 @@ Box boundsOf(const std::array<double, 12>& world_from_mesh, const Box& bounds_me
 void place(Instance& instance, const Mesh& mesh, const std::array<double, 12>& world_from_mesh) {
   instance.world_from_mesh = world_from_mesh;
   instance.bounds_world = Box{};
-  instance.mirrored = false;
   instance.always_kept = mesh.unbounded || !finite(world_from_mesh);
   if (instance.always_kept) return;
-  instance.mirrored = mirrors(world_from_mesh);
   const Box world = boundsOf(world_from_mesh, mesh.bounds);
   if (mesh.bounds.empty()) return;
   instance.always_kept = !world.finite();

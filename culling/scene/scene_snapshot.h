@@ -25,8 +25,7 @@ struct Instance {
   std::uint32_t instance_number = 0;  ///< within the node; 0 for plain nodes
   bool hidden = false;                ///< by an edit: neither seen nor blocks
   bool removed = false;               ///< by an edit: for good; the id is not used again
-  bool mirrored = false;     ///< negative determinant: the front of a triangle is its CW side
-  bool always_kept = false;  ///< unbounded mesh or non-finite transform: in every answer
+  bool always_kept = false;           ///< unbounded mesh or non-finite transform: in every answer
   /// Can it be in an answer at all? An object without any geometry cannot.
   bool active() const noexcept {
     return !hidden && !removed && (always_kept || !bounds_world.empty());
@@ -39,7 +38,7 @@ static_assert(sizeof(Instance) <= 160, "docs promise the bytes per instance");
 /// evaluation, lies inside; so does the exact result. Empty for an empty box.
 Box boundsOf(const std::array<double, 12>& world_from_mesh, const Box& bounds_mesh);
 
-/// Puts the object there: bounds, mirrored and always_kept follow.
+/// Puts the object there: bounds and always_kept follow.
 void place(Instance& instance, const Mesh& mesh, const std::array<double, 12>& world_from_mesh);
 
 class SceneSnapshot {

@@ -7,12 +7,18 @@ namespace culld {
 
 namespace {
 
+constexpr std::uint64_t kFrameNs = 500, kNodeNs = 50, kAnsweredNs = 4;  // measured
+
 struct Entry {
   std::uint32_t node;
   PlaneMask planes;
 };
 
 }  // namespace
+
+std::chrono::nanoseconds FrustumWalkStats::work(std::size_t answered) const noexcept {
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * nodes_visited + kAnsweredNs * answered);
+}
 
 FrustumWalkStats appendInFrustum(const WideBvh& bvh, const FrustumTest& frustum,
                                  const Deadline& deadline, std::vector<ObjectId>& out) {

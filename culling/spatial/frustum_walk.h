@@ -1,6 +1,8 @@
 // Walks a BVH down to the objects that a camera's frustum may hold: the first step of every method
 // that culls with boxes. Hierarchical with plane masking (Assarsson, Moller 2000).
 #pragma once
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +16,8 @@ struct FrustumWalkStats {
   std::uint32_t nodes_visited = 0;
   std::uint32_t tested = 0;  ///< objects tested one by one
   bool out_of_time = false;  ///< what was undecided then is among the objects
+  /// Of a frame that answers what the walk has found: counted work, priced (docs/planner.md).
+  std::chrono::nanoseconds work(std::size_t answered) const noexcept;
 };
 
 /// Appends the objects that the frustum may hold, each once, in no particular order.

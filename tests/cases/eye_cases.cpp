@@ -47,13 +47,19 @@ void eyeInside(CaseBuilder& builder, double distance) {
   eyeAt(builder, {x, builder.random().uniform(-0.9, 0.9), 1}, glm::dvec3(0, 0, -1) * distance);
 }
 
-/// The near plane cuts a box that stands before everything else.
-void boxThroughNear(CaseBuilder& builder, double share_before) {
+/// The near plane is a metre before the eye, so that things can stand across it.
+Sight lookFromANearPlane(CaseBuilder& builder) {
   Sight sight;
   LookAt look;
   look.yfov_rad = 2.0 * std::atan(sight.tan_half);
   look.znear_m = 1.0;
   builder.look(look);
+  return sight;
+}
+
+/// The near plane cuts a box that stands before everything else.
+void boxThroughNear(CaseBuilder& builder, double share_before) {
+  Sight sight = lookFromANearPlane(builder);
   builder.made(scenes::Alpha::kOpaque, builder.seed() % 2 != 0);
   const double front = 1.0 - 0.9 * share_before;
   const auto half = static_cast<float>(0.3);
@@ -66,11 +72,7 @@ void boxThroughNear(CaseBuilder& builder, double share_before) {
 
 /// A wall through the middle of the near plane, turned by so much out of it.
 void wallThroughNear(CaseBuilder& builder, double angle_deg) {
-  Sight sight;
-  LookAt look;
-  look.yfov_rad = 2.0 * std::atan(sight.tan_half);
-  look.znear_m = 1.0;
-  builder.look(look);
+  Sight sight = lookFromANearPlane(builder);
   const double angle = angle_deg / 180.0 * std::numbers::pi;
   const double c = std::cos(angle), s = std::sin(angle);
   builder.made(scenes::Alpha::kOpaque, builder.seed() % 2 != 0);

@@ -28,6 +28,7 @@ assert "cameras" not in rooms
 measured = {m["method"]: m for m in cameras["cameras"]["methods"]}
 assert cameras["cameras"]["count"] == 6 and set(measured) == {"frustum", "raster", "auto"}, measured
 assert measured["raster"]["objects"] <= measured["auto"]["objects"] <= measured["frustum"]["objects"]
+assert (measured["frustum"]["with_occlusion"], measured["raster"]["with_occlusion"]) == (0, 6), measured
 assert all(0 < m["min_us"] <= m["median_us"] for m in measured.values())
 END
 

@@ -55,7 +55,7 @@ TEST(City, NothingIsUnboundedMirroredOrEmpty) {
   for (ObjectId id = 0; id < scene->objectCount(); ++id) {
     EXPECT_TRUE(scene->instance(id).active());
     EXPECT_FALSE(scene->instance(id).always_kept);
-    EXPECT_FALSE(scene->instance(id).mirrored);
+    EXPECT_FALSE(mirrors(scene->instance(id).world_from_mesh));
   }
 }
 

@@ -49,6 +49,12 @@ Rows scaledAndMoved(const glm::dvec3& s, const glm::dvec3& o) {
   return {s.x, 0, 0, o.x, 0, s.y, 0, o.y, 0, 0, s.z, o.z};
 }
 
+bool mirrors(const Rows& m) {
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+             m[2] * (m[4] * m[9] - m[5] * m[8]) <
+         0.0;
+}
+
 Rows composed(const Rows& outer, const Rows& inner) {
   Rows all{};
   for (std::size_t r = 0; r < 3; ++r) {

@@ -68,6 +68,8 @@ Rows turnedAndMoved(double angle_rad, const glm::dvec3& offset);
 Rows scaledAndMoved(const glm::dvec3& scale, const glm::dvec3& offset);
 /// First `inner`, then `outer`.
 Rows composed(const Rows& outer, const Rows& inner);
+/// Does it turn the fronts of triangles? By the sign of the determinant as doubles give it.
+bool mirrors(const Rows& rows);
 
 /// Objects are the nodes with a mesh, in node order; Instance::node is the node's index.
 SnapshotPtr toSnapshot(const Model& model);

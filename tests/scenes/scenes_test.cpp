@@ -68,7 +68,7 @@ class Rays {
                               m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
                               m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
           }
-          if (instance.mirrored) std::swap(face.corner[1], face.corner[2]);
+          if (mirrors(instance.world_from_mesh)) std::swap(face.corner[1], face.corner[2]);
           faces_.push_back(face);
         }
       }
@@ -188,11 +188,13 @@ TEST(RandomScene, KeepsToItsOptions) {
     EXPECT_GE(tame->objectCount(), plain.objects);
     EXPECT_LE(tame->objectCount(), plain.objects + 40);
     for (ObjectId id = 0; id < tame->objectCount(); ++id) {
-      EXPECT_FALSE(tame->instance(id).mirrored);
+      EXPECT_FALSE(mirrors(tame->instance(id).world_from_mesh));
       EXPECT_TRUE(tame->instance(id).active());
       EXPECT_EQ(tame->instance(id).node, id);
     }
-    for (ObjectId id = 0; id < wild->objectCount(); ++id) odd += wild->instance(id).mirrored;
+    for (ObjectId id = 0; id < wild->objectCount(); ++id) {
+      odd += mirrors(wild->instance(id).world_from_mesh) ? 1U : 0U;
+    }
     for (MeshId m = 0; m < tame->meshCount(); ++m) {
       for (const Surface& s : tame->mesh(m).surfaces) EXPECT_TRUE(s.blocks);
     }

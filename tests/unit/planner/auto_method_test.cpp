@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "culling/scene/edit.h"
-#include "culling/scene/scene_builder.h"
+#include "tests/scenes/row_of_objects.h"
 #include "tests/unit/planner/counted_method.h"
 
 namespace culld::testing {
@@ -16,19 +16,7 @@ namespace {
 
 using std::chrono::microseconds;
 
-/// A row of `count` triangles along x; `blocks`: do they hide anything?
-SnapshotPtr row(std::uint32_t count, bool blocks = true) {
-  RawSurface surface;
-  surface.blocks = blocks;
-  surface.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  surface.indices = {0, 1, 2};
-  SceneBuilder builder;
-  const MeshId mesh = builder.addMesh(makeMesh({surface}));
-  for (std::uint32_t i = 0; i < count; ++i) {
-    builder.addInstance(mesh, {1, 0, 0, static_cast<double>(i), 0, 1, 0, 0, 0, 0, 1, 0}, i);
-  }
-  return builder.finish();
-}
+using scenes::rowOfObjects;
 
 Camera at(double x) {
   LookAt look;
@@ -62,7 +50,7 @@ std::unique_ptr<Culler> prepared(std::span<const Method* const> stages, const Sn
 TEST(AutoMethod, UsesTheStageThatHidesMoreThanItCosts) {
   const CountedMethod frustum = boxes(), hider = hiding(500);
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   EXPECT_TRUE(planOf(*culler)->occlusion_built);
   ViewState view;
   const Answer answer = culler->cull(at(0), {}, view);
@@ -74,7 +62,7 @@ TEST(AutoMethod, UsesTheStageThatHidesMoreThanItCosts) {
 TEST(AutoMethod, NeitherUsesNorKeepsAStageThatHidesNothing) {
   const CountedMethod frustum = boxes(), hider = hiding(0);
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   EXPECT_EQ(hider.alive, 0);
   EXPECT_EQ(culler->preparedBytes(), frustum.bytes);
   ViewState view;
@@ -87,7 +75,7 @@ TEST(AutoMethod, NeitherUsesNorKeepsAStageThatHidesNothing) {
 TEST(AutoMethod, PreparesNoStageWhereNothingBlocks) {
   const CountedMethod frustum = boxes(), hider = hiding(500);
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects, false));
+  const auto culler = prepared(stages, rowOfObjects(kObjects, false));
   EXPECT_EQ(hider.prepared, 0);
   EXPECT_EQ(planOf(*culler)->occlusion, nullptr);
   EXPECT_EQ(planOf(*culler)->why, "nothing in the scene blocks a view");
@@ -99,7 +87,7 @@ TEST(AutoMethod, NeverTakesAMethodThatMayMiss) {
   loose.guarantee = Guarantee::kApproximate;
   sampled.guarantee = Guarantee::kSampled;
   const Method* stages[] = {&loose, &sampled, &frustum};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   ViewState view;
   EXPECT_EQ(culler->cull(at(0), {}, view).visible.size(), kObjects);
   EXPECT_EQ(loose.prepared + sampled.prepared, 0);
@@ -111,10 +99,11 @@ TEST(AutoMethod, GoesOnWithoutAStageThatDeclinesOrFails) {
   declines.refusal = "too many triangles";
   fails.fails_to_prepare = true;
   const Method* with_declined[] = {&frustum, &declines};
-  EXPECT_NE(planOf(*prepared(with_declined, row(kObjects)))->why.find("too many triangles"),
-            std::string::npos);
+  EXPECT_NE(
+      planOf(*prepared(with_declined, rowOfObjects(kObjects)))->why.find("too many triangles"),
+      std::string::npos);
   const Method* with_failed[] = {&frustum, &fails};
-  EXPECT_EQ(planOf(*prepared(with_failed, row(kObjects)))->why, "no memory");
+  EXPECT_EQ(planOf(*prepared(with_failed, rowOfObjects(kObjects)))->why, "no memory");
 }
 
 TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
@@ -123,7 +112,7 @@ TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
   const Method* stages[] = {&loose};
   const AutoMethod method(stages);
   EXPECT_FALSE(method.accepts({}).ok());
-  const auto culler = method.prepare(row(3), steadyClock());
+  const auto culler = method.prepare(rowOfObjects(3), steadyClock());
   ASSERT_FALSE(culler.ok());
   EXPECT_EQ(culler.error().code, ErrorCode::kUnsupported);
 }
@@ -131,7 +120,7 @@ TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
 TEST(AutoMethod, LeavesOcclusionOutOfARequestWithAMotionBound) {
   const CountedMethod frustum = boxes(), hider = hiding(500);
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   Camera camera = at(0);
   camera.motion.radius_m = 0.5;
   ViewState view;
@@ -148,7 +137,7 @@ TEST(AutoMethod, AnswersEqualSequencesOfCamerasEqually) {
                  return CountedFrame{microseconds(1000), kObjects, dense ? 100 : kObjects};
                }};
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   ViewState first, second;
   for (int i = 0; i < 3000; ++i) {
     const Camera camera = at(500.0 + 499.0 * std::sin(i * 0.01));
@@ -163,7 +152,7 @@ TEST(AutoMethod, BuildsAStageThatIsWantedLaterOnceForAllViews) {
     return CountedFrame{microseconds(100), kObjects, dense ? 10 : kObjects};
   });
   const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, row(kObjects));
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
   EXPECT_EQ(hider.alive, 0);
   const std::size_t bytes = culler->preparedBytes();
   dense = true;
@@ -187,7 +176,7 @@ TEST(AutoMethod, BuildsAStageThatIsWantedLaterOnceForAllViews) {
 
 TEST(AutoMethod, RefitsWhatItHasBuiltAndKeepsItsPlan) {
   const CountedMethod frustum = boxes(), hider = hiding(0), good = hiding(900);
-  SnapshotPtr scene = row(kObjects);
+  SnapshotPtr scene = rowOfObjects(kObjects);
   const auto edit = applyEdits(scene, std::vector<Edit>{HideObject{3}});
   ASSERT_TRUE(edit.ok());
   const Method* without[] = {&frustum, &hider};

@@ -100,11 +100,11 @@ TEST(Plan, CopesWithASceneOfNothing) {
 
 TEST(SampleViews, AreValidAndTheSameEveryTime) {
   const SnapshotPtr scene = scenes::toSnapshot(scenes::closedRooms({}).model);
-  const std::vector<Camera> first = sampleViews(*scene, 16), second = sampleViews(*scene, 16);
+  const auto first = sampleViews(*scene, 16), second = sampleViews(*scene, 16);
   ASSERT_EQ(first.size(), 16U);
   for (std::size_t i = 0; i < first.size(); ++i) {
-    EXPECT_EQ(first[i].origin_world, second[i].origin_world);
-    EXPECT_EQ(first[i].w_row, second[i].w_row);
+    EXPECT_EQ(first[i].camera.origin_world, second[i].camera.origin_world);
+    EXPECT_EQ(first[i].camera.w_row, second[i].camera.w_row);
   }
   EXPECT_TRUE(sampleViews(SceneSnapshot(), 16).empty());
 }

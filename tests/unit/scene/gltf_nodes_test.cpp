@@ -65,16 +65,16 @@ TEST(GltfNodes, KeepsDoublePrecisionFarFromTheOrigin) {
   EXPECT_NEAR(worldOf(scene.value(), 0)[3], 0.123456789, 1e-8);
 }
 
-TEST(GltfNodes, MarksMirroredObjects) {
+TEST(GltfNodes, TakesNegativeAndZeroScales) {
   GltfFile file = fileWithTriangle();
   file.nodeWith(0, R"(,"scale":[-1,1,1])");
   file.nodeWith(0, R"(,"scale":[-1,-1,1])");
   file.nodeWith(0, R"(,"scale":[0,1,1])");
   const auto scene = load(file.glb());
   ASSERT_TRUE(scene.ok()) << scene.error().message;
-  EXPECT_TRUE(scene.value()->instance(0).mirrored);
-  EXPECT_FALSE(scene.value()->instance(1).mirrored);
-  EXPECT_FALSE(scene.value()->instance(2).mirrored);
+  EXPECT_EQ(worldOf(scene.value(), 0), (Rows{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(worldOf(scene.value(), 1), (Rows{-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(worldOf(scene.value(), 2), (Rows{0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}));
 }
 
 TEST(GltfNodes, WalksHierarchiesThatAreTenThousandDeep) {
@@ -137,7 +137,7 @@ TEST(GltfNodes, MakesOneObjectPerGpuInstance) {
     EXPECT_EQ(worldOf(scene.value(), i)[3], 101.0 + i);
   }
   EXPECT_EQ(worldOf(scene.value(), 1)[0], -2.0);
-  EXPECT_TRUE(scene.value()->instance(2).mirrored);
+  EXPECT_EQ(worldOf(scene.value(), 2)[0], -1.0);
   EXPECT_EQ(scene.value()->instance(3).node, 1U);
 }
 

@@ -68,20 +68,6 @@ TEST(SceneSnapshot, BoundsAreTightUpToRounding) {
   EXPECT_NEAR(box.max.y, 3, 1e-14);
 }
 
-TEST(SceneSnapshot, KnowsWhichTransformsMirror) {
-  const auto mirrored = [](const Rows& rows) {
-    SceneBuilder builder;
-    builder.addInstance(builder.addMesh(makeMesh({test::unitCube()})), rows, 0);
-    return builder.finish()->instance(0).mirrored;
-  };
-  EXPECT_FALSE(mirrored(test::kIdentity));
-  EXPECT_TRUE(mirrored({-1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0}));
-  EXPECT_FALSE(mirrored({-1, 0, 0, 5, 0, -1, 0, 0, 0, 0, 1, 0}));
-  EXPECT_TRUE(mirrored({0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0})) << "two axes swapped";
-  EXPECT_FALSE(mirrored({1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0})) << "flat";
-  EXPECT_TRUE(mirrored({-1e-200, 0, 0, 0, 0, 1e-200, 0, 0, 0, 0, 1e-200, 0})) << "no underflow";
-}
-
 TEST(SceneSnapshot, AlwaysKeepsWhatHasNoBound) {
   const auto kept = [](const Rows& rows, bool unbounded) {
     SceneBuilder builder;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "culling/culler.h"
-#include "culling/scene/scene_builder.h"
+#include "tests/scenes/row_of_objects.h"
 
 namespace culld::server {
 
@@ -93,17 +93,6 @@ class FakeMethod : public Method {
   std::string name_;
 };
 
-/// `count` triangles in a row.
-inline SnapshotPtr rowOfObjects(std::uint32_t count) {
-  RawSurface surface;
-  surface.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  surface.indices = {0, 1, 2};
-  SceneBuilder builder;
-  const MeshId mesh = builder.addMesh(makeMesh({surface}));
-  for (std::uint32_t i = 0; i < count; ++i) {
-    builder.addInstance(mesh, {1, 0, 0, static_cast<double>(i), 0, 1, 0, 0, 0, 0, 1, 0}, i);
-  }
-  return builder.finish();
-}
+using scenes::rowOfObjects;
 
 }  // namespace culld::server
