@@ -1,7 +1,8 @@
 #include "culling/raster/sheet.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "culling/raster/object_rows.h"
 
 namespace culld {
 namespace {
@@ -15,68 +16,18 @@ constexpr std::uint32_t kWorkPerLook = 1024;  ///< between two looks at the cloc
 constexpr std::uint64_t kMostLayers = 64;     ///< an object that covers the image more often stops
 constexpr std::size_t kVerticesPerSlice = 2048;
 
-/// One row of mesh space -> cells, and the bound on its rounding error over the object.
-struct ObjectRow {
-  double x, y, z, constant, error;
-};
-
-/// row . (world_from_mesh p - origin, 1) as a row on p. The 16 units of the error bound cover the
-/// product (at most 9 roundings per term) and the four of its evaluation (docs/error-model.md
-/// §4.1).
-ObjectRow objectRow(const glm::dvec4& row, const std::array<double, 12>& m,
-                    const glm::dvec3& offset, const glm::dvec3& largest) {
-  const auto column = [&](std::size_t j) {
-    return row.x * m[j] + row.y * m[4 + j] + row.z * m[8 + j];
-  };
-  const auto reach = [&](std::size_t j) {
-    return std::abs(row.x * m[j]) + std::abs(row.y * m[4 + j]) + std::abs(row.z * m[8 + j]);
-  };
-  ObjectRow out{};
-  out.x = column(0);
-  out.y = column(1);
-  out.z = column(2);
-  out.constant = row.x * offset.x + row.y * offset.y + row.z * offset.z + row.w;
-  const double terms = reach(0) * largest.x + reach(1) * largest.y + reach(2) * largest.z +
-                       std::abs(row.x * offset.x) + std::abs(row.y * offset.y) +
-                       std::abs(row.z * offset.z) + std::abs(row.w);
-  out.error = 16.0 * 0x1p-53 * terms;
-  return out;
-}
-
-/// Sign of the linear part's determinant: -1 mirrors, 0 is flat or so nearly flat that rounding
-/// could decide. Six products of three and five sums: 8 units cover them.
-double handedness(const std::array<double, 12>& m) {
-  const double a = m[0] * m[5] * m[10], b = m[1] * m[6] * m[8], c = m[2] * m[4] * m[9];
-  const double d = m[2] * m[5] * m[8], e = m[1] * m[4] * m[10], f = m[0] * m[6] * m[9];
-  const double det = (a + b + c) - (d + e + f);
-  const double terms =
-      std::abs(a) + std::abs(b) + std::abs(c) + std::abs(d) + std::abs(e) + std::abs(f);
-  if (!(std::abs(det) > 8.0 * 0x1p-53 * terms + 1e-280)) return 0.0;
-  return det > 0.0 ? 1.0 : -1.0;
-}
-
-double at(const ObjectRow& row, const glm::dvec3& p) {
-  return row.x * p.x + row.y * p.y + row.z * p.z + row.constant;
-}
-
 }  // namespace
 
 void SheetRasterizer::transform(const SheetObject& object, const CellView& view,
                                 const glm::dvec3& origin) {
-  const std::array<double, 12>& m = object.world_from_mesh;
-  const glm::dvec3 offset = glm::dvec3(m[3], m[7], m[11]) - origin;
-  const auto row = [&](const glm::dvec4& r) { return objectRow(r, m, offset, object.largest); };
-  const ObjectRow u = row(view.u), v = row(view.v), w = row(view.w), n = row(view.n),
-                  near_cut = row(view.near_cut), far_cut = row(view.far_cut);
-  error_ = {u.error,        v.error,      w.error, view.perspective ? 0.0 : n.error,
-            near_cut.error, far_cut.error};
+  const ObjectRows rows = objectRows(view, object.world_from_mesh, origin, object.largest);
+  error_ = rows.error;
   vertices_.resize(object.positions.size());
   for (std::size_t first = 0; first < vertices_.size(); first += kVerticesPerSlice) {
     if (!mayGoOn(kVerticesPerSlice / 8)) return;
     const std::size_t end = std::min(first + kVerticesPerSlice, vertices_.size());
     for (std::size_t i = first; i < end; ++i) {
-      const glm::dvec3 p(object.positions[i]);
-      vertices_[i] = {at(u, p), at(v, p), at(w, p), at(n, p), at(near_cut, p), at(far_cut, p)};
+      vertices_[i] = rows.at(glm::dvec3(object.positions[i]));
     }
   }
 }
