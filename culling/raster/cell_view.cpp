@@ -27,15 +27,21 @@ double frontSign(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& tow
 
 }  // namespace
 
+CellGrid gridOf(std::uint32_t width, std::uint32_t height) noexcept {
+  CellGrid grid;
+  grid.width = width;
+  grid.height = height;
+  grid.blocks_x = (grid.width + kBlockSide - 1) / kBlockSide;
+  grid.blocks_y = (grid.height + kBlockSide - 1) / kBlockSide;
+  grid.tiles_x = (grid.blocks_x + kTileSide - 1) / kTileSide;
+  grid.tiles_y = (grid.blocks_y + kTileSide - 1) / kTileSide;
+  return grid;
+}
+
 CellGrid gridFor(const Camera& camera) noexcept {
   const double longer = std::max(camera.width_px, camera.height_px);
   const double scale = std::clamp(longer, kMinLongSide, kMaxLongSide) / longer;
-  CellGrid grid;
-  grid.width = cellsFor(camera.width_px, scale);
-  grid.height = cellsFor(camera.height_px, scale);
-  grid.blocks_x = (grid.width + kBlockSide - 1) / kBlockSide;
-  grid.blocks_y = (grid.height + kBlockSide - 1) / kBlockSide;
-  return grid;
+  return gridOf(cellsFor(camera.width_px, scale), cellsFor(camera.height_px, scale));
 }
 
 CellView cellView(const Camera& camera, const CellGrid& grid) noexcept {

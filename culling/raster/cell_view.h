@@ -9,13 +9,25 @@
 namespace culld {
 
 inline constexpr std::uint32_t kBlockSide = 8;  ///< cells per block and axis: 64 bits of a mask
+inline constexpr std::uint32_t kTileSide = 8;   ///< blocks per tile and axis: the same again
 
 struct CellGrid {
   std::uint32_t width = 0, height = 0;       ///< cells
   std::uint32_t blocks_x = 0, blocks_y = 0;  ///< blocks, the last ones may stick out
-  std::uint32_t blocks() const noexcept { return blocks_x * blocks_y; }
+  std::uint32_t tiles_x = 0, tiles_y = 0;    ///< tiles, the last ones may stick out further
+  std::uint32_t tiles() const noexcept { return tiles_x * tiles_y; }
+  /// Places for blocks. Those of a tile follow each other, 64 in every tile, also past the image.
+  std::uint32_t blocks() const noexcept { return tiles() * kTileSide * kTileSide; }
+  std::uint32_t tileAt(std::uint32_t block_x, std::uint32_t block_y) const noexcept {
+    return block_y / kTileSide * tiles_x + block_x / kTileSide;
+  }
+  std::uint32_t blockAt(std::uint32_t block_x, std::uint32_t block_y) const noexcept {
+    const std::uint32_t within = block_y % kTileSide * kTileSide + block_x % kTileSide;
+    return tileAt(block_x, block_y) * kTileSide * kTileSide + within;
+  }
 };
 
+CellGrid gridOf(std::uint32_t width, std::uint32_t height) noexcept;
 /// The camera's image size, scaled so that its longer side is within [256, 1280] cells.
 CellGrid gridFor(const Camera& camera) noexcept;
 

@@ -1,25 +1,37 @@
 #include "culling/raster/depth_cells.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "culling/raster/coverage_kernels.h"
 
 namespace culld {
 namespace {
 
-/// Bits of the block's cells within [x0, x1] x [y0, y1], coordinates relative to the block.
+constexpr std::uint32_t kTileBlocks = kTileSide * kTileSide;
+
+/// Bits of an 8 x 8 square within [x0, x1] x [y0, y1], clamped to it: bit 8 * y + x.
 std::uint64_t rectMask(std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uint32_t y1) {
   const std::uint64_t row = (0xFFU << x0 & 0xFFU) & (0xFFU >> (7 - x1));
-  std::uint64_t mask = 0;
-  for (std::uint32_t y = y0; y <= y1; ++y) mask |= row << (8 * y);
-  return mask;
+  const std::uint64_t rows =
+      (~std::uint64_t{0} << (8 * y0)) & (~std::uint64_t{0} >> (8 * (7 - y1)));
+  return row * 0x0101010101010101U & rows;
 }
+
+/// The part of [first, last] that lies in the eight from `begin` on, relative to it.
+struct Within {
+  std::uint32_t first, last;
+  Within(std::uint32_t first_, std::uint32_t last_, std::uint32_t begin)
+      : first(std::max(first_, begin) - begin), last(std::min(last_ - begin, 7U)) {}
+};
 
 }  // namespace
 
 void DepthCells::reset(const CellGrid& grid) {
   grid_ = grid;
   least_.assign(grid.blocks(), 0.0F);
+  tile_least_.assign(grid.tiles(), 0.0F);
+  tile_stale_.assign(grid.tiles(), 1);
   if (cells_.size() < grid.blocks()) cells_.resize(grid.blocks());
   if (used_in_.size() < grid.blocks()) used_in_.resize(grid.blocks(), 0);
   if (++frame_ == 0) {  // after 2^32 frames the old marks could be mistaken for this frame's
@@ -36,30 +48,59 @@ float* DepthCells::cells(std::uint32_t block) {
   return cells_[block].data();
 }
 
-bool DepthCells::blockHides(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
-                            float nearest) const {
-  const std::uint32_t block = block_y * grid_.blocks_x + block_x;
-  if (least_[block] > nearest) return true;
+bool DepthCells::cellsHide(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
+                           float nearest) const {
+  const std::uint32_t block = grid_.blockAt(block_x, block_y);
   if (used_in_[block] != frame_) return false;
-  const std::uint32_t left = block_x * kBlockSide, bottom = block_y * kBlockSide;
-  const std::uint32_t x0 = std::max(rect.x0, left) - left, y0 = std::max(rect.y0, bottom) - bottom;
-  const std::uint32_t x1 = std::min(rect.x1 - left, kBlockSide - 1);
-  const std::uint32_t y1 = std::min(rect.y1 - bottom, kBlockSide - 1);
-  return (rectMask(x0, x1, y0, y1) & ~cellsNearerThan(cells_[block].data(), nearest)) == 0;
+  const Within x(rect.x0, rect.x1, block_x * kBlockSide), y(rect.y0, rect.y1, block_y * kBlockSide);
+  const std::uint64_t hiding = cellsNearerThan(cells_[block].data(), nearest);
+  return (rectMask(x.first, x.last, y.first, y.last) & ~hiding) == 0;
 }
 
-bool DepthCells::certainlyHidden(const CellRect& rect, float nearest) const {
-  for (std::uint32_t y = rect.y0 / kBlockSide; y <= rect.y1 / kBlockSide; ++y) {
-    for (std::uint32_t x = rect.x0 / kBlockSide; x <= rect.x1 / kBlockSide; ++x) {
-      if (!blockHides(x, y, rect, nearest)) return false;
+bool DepthCells::tileHides(std::uint32_t tile_x, std::uint32_t tile_y, const CellRect& rect,
+                           float nearest) {
+  const std::uint32_t tile = tile_y * grid_.tiles_x + tile_x;
+  const float* least = least_.data() + tile * kTileBlocks;
+  if (tile_stale_[tile] != 0) {
+    tile_stale_[tile] = 0;
+    tile_least_[tile] = *std::min_element(least, least + kTileBlocks);
+  }
+  if (tile_least_[tile] > nearest) return true;
+  const std::uint32_t left = tile_x * kTileSide, bottom = tile_y * kTileSide;
+  const Within x(rect.x0 / kBlockSide, rect.x1 / kBlockSide, left);
+  const Within y(rect.y0 / kBlockSide, rect.y1 / kBlockSide, bottom);
+  std::uint64_t open =
+      rectMask(x.first, x.last, y.first, y.last) & ~cellsNearerThan(least, nearest);
+  for (; open != 0; open &= open - 1) {
+    const auto bit = static_cast<std::uint32_t>(std::countr_zero(open));
+    if (!cellsHide(left + bit % kTileSide, bottom + bit / kTileSide, rect, nearest)) return false;
+  }
+  return true;
+}
+
+bool DepthCells::certainlyHidden(const CellRect& rect, float nearest) {
+  const std::uint32_t x0 = rect.x0 / kBlockSide, x1 = rect.x1 / kBlockSide;
+  const std::uint32_t y0 = rect.y0 / kBlockSide, y1 = rect.y1 / kBlockSide;
+  if (x1 - x0 <= 1 && y1 - y0 <= 1) {  // few blocks: most objects
+    for (std::uint32_t y = y0; y <= y1; ++y) {
+      for (std::uint32_t x = x0; x <= x1; ++x) {
+        const bool whole = least_[grid_.blockAt(x, y)] > nearest;
+        if (!whole && !cellsHide(x, y, rect, nearest)) return false;
+      }
+    }
+    return true;
+  }
+  for (std::uint32_t y = y0 / kTileSide; y <= y1 / kTileSide; ++y) {
+    for (std::uint32_t x = x0 / kTileSide; x <= x1 / kTileSide; ++x) {
+      if (!tileHides(x, y, rect, nearest)) return false;
     }
   }
   return true;
 }
 
 std::size_t DepthCells::bytes() const noexcept {
-  return least_.capacity() * sizeof(float) + cells_.capacity() * sizeof(cells_[0]) +
-         used_in_.capacity() * sizeof(std::uint32_t);
+  return (least_.capacity() + tile_least_.capacity()) * sizeof(float) + tile_stale_.capacity() +
+         cells_.capacity() * sizeof(cells_[0]) + used_in_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace culld

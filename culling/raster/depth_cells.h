@@ -27,20 +27,26 @@ class DepthCells {
   bool used(std::uint32_t block) const noexcept { return used_in_[block] == frame_; }
   /// Every cell of the block is at least this near.
   float leastNearness(std::uint32_t block) const noexcept { return least_[block]; }
-  void setLeastNearness(std::uint32_t block, float least) noexcept { least_[block] = least; }
+  void setLeastNearness(std::uint32_t block, float least) noexcept {
+    least_[block] = least;
+    tile_stale_[block / (kTileSide * kTileSide)] = 1;
+  }
 
   /// Something in the rectangle, nowhere nearer than `nearest`, is hidden in every cell of it.
   /// Cells at the same nearness do not hide.
-  bool certainlyHidden(const CellRect& rect, float nearest) const;
+  bool certainlyHidden(const CellRect& rect, float nearest);
 
   std::size_t bytes() const noexcept;
 
  private:
-  bool blockHides(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
-                  float nearest) const;
+  bool cellsHide(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
+                 float nearest) const;
+  bool tileHides(std::uint32_t tile_x, std::uint32_t tile_y, const CellRect& rect, float nearest);
 
   CellGrid grid_;
-  std::vector<float> least_;
+  std::vector<float> least_;       ///< by block
+  std::vector<float> tile_least_;  ///< least of a tile's blocks, if not stale
+  std::vector<std::uint8_t> tile_stale_;
   std::vector<std::array<float, 64>> cells_;
   std::vector<std::uint32_t> used_in_;  ///< frame in which the block's cells were last cleared
   std::uint32_t frame_ = 0;

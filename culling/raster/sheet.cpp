@@ -97,7 +97,7 @@ void SheetRasterizer::fillBlock(std::uint32_t block, float farthest, DepthCells&
 
 void SheetRasterizer::drawBlock(const TriangleBlocks& blocks, std::uint32_t block_x,
                                 std::uint32_t block_y, float nearest, DepthCells& cells) {
-  const std::uint32_t block = block_y * cells.grid().blocks_x + block_x;
+  const std::uint32_t block = cells.grid().blockAt(block_x, block_y);
   const float least = cells.leastNearness(block);
   // Nothing of this object can raise the block: leave it out for all its triangles.
   if (least >= nearest) return;
@@ -128,7 +128,7 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
       drawBlock(blocks, x, y, object.nearest, cells);
     }
     for (std::uint32_t x = span.first_filled; x < span.end_filled; ++x) {
-      fillBlock(y * cells.grid().blocks_x + x, blocks.farthest(x, y), cells);
+      fillBlock(cells.grid().blockAt(x, y), blocks.farthest(x, y), cells);
     }
     for (std::uint32_t x = span.end_filled; x < span.end_touched; ++x) {
       drawBlock(blocks, x, y, object.nearest, cells);

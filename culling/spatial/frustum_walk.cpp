@@ -56,7 +56,7 @@ FrustumWalkStats appendInFrustum(const WideBvh& bvh, const FrustumTest& frustum,
 
 std::uint32_t countInFrustum(const WideBvh& bvh, const FrustumTest& frustum, std::uint32_t index,
                              PlaneMask planes) {
-  if (planes == 0) return bvh.countObjects(index);
+  if (planes == 0) return bvh.node(index).live_objects;
   const WideNode& node = bvh.node(index);
   const LaneVerdicts verdicts = frustum.test(node, planes);
   std::uint32_t count = 0;

@@ -17,7 +17,7 @@ LaneClass laneClassOf(const Instance& instance) noexcept {
   return b.finite() ? LaneClass::kLane : LaneClass::kAlwaysKept;
 }
 
-WideNode emptyNode(std::uint32_t parent) noexcept {
+WideNode emptyNode() noexcept {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   WideNode node{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -26,7 +26,6 @@ WideNode emptyNode(std::uint32_t parent) noexcept {
       node.offsets[kMaxX + axis][l] = -kInf;
     }
   }
-  node.parent = parent;
   return node;
 }
 
@@ -93,16 +92,6 @@ void WideBvh::appendObjects(std::uint32_t index, std::vector<ObjectId>& out) con
   }
 }
 
-std::uint32_t WideBvh::countObjects(std::uint32_t index) const {
-  const WideNode& node = nodes_[index];
-  std::uint32_t count = 0;
-  for (std::size_t l = 0; l < kWideLanes; ++l) {
-    if ((node.live >> l & 1U) == 0) continue;
-    count += node.child[l].isObject() ? 1 : countObjects(node.child[l].nodeIndex());
-  }
-  return count;
-}
-
 bool WideBvh::degraded() const noexcept {
   // Built trees use lanes / 7 nodes and are at most 11 deep (8^11 > 2^32).
   constexpr std::size_t kTooDeep = 48;
@@ -119,7 +108,8 @@ std::size_t WideBvh::chunksNotSharedWith(const WideBvh& other) const noexcept {
 }
 
 std::size_t WideBvh::bytes() const noexcept {
-  return nodes_.bytes() + lane_of_.bytes() + always_kept_.capacity() * sizeof(ObjectId) +
+  return nodes_.bytes() + parent_of_.bytes() + lane_of_.bytes() +
+         always_kept_.capacity() * sizeof(ObjectId) +
          free_nodes_.capacity() * sizeof(std::uint32_t);
 }
 

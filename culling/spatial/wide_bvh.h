@@ -50,8 +50,8 @@ struct alignas(32) WideNode {
   float offsets[kBoxRows][kWideLanes];
   double origin[3];
   ChildRef child[kWideLanes];  ///< also set for hidden objects, whose lane is not live
-  std::uint32_t parent;        ///< 8 * node + lane of the parent, or kNoLane at the root
   std::uint32_t live;          ///< bit l: something below lane l may be answered
+  std::uint32_t live_objects;  ///< at and below this node
 };
 static_assert(sizeof(WideNode) == 256);
 
@@ -88,16 +88,18 @@ class WideBvh {
   std::size_t rootCount() const noexcept { return flat_ ? nodes_.size() : empty() ? 0 : 1; }
   const WideNode& node(std::uint32_t index) const noexcept { return nodes_[index]; }
   std::size_t nodeCount() const noexcept { return nodes_.size(); }  ///< unused ones too
+  /// 8 * node + lane of the node's parent, or kNoLane at a root.
+  std::uint32_t parentOf(std::uint32_t index) const noexcept { return parent_of_[index]; }
   /// 8 * node + lane where the object lives, or kNoLane. REQUIRES: a hierarchy.
   std::uint32_t laneOf(ObjectId id) const noexcept { return lane_of_[id]; }
-  std::size_t liveObjects() const noexcept { return live_objects_; }
+  std::size_t liveObjects() const noexcept {
+    return flat_ ? lanes_taken_ : empty() ? 0 : nodes_[kRoot].live_objects;
+  }
   /// Active objects without a bound: part of every answer. Ascending.
   std::span<const ObjectId> alwaysKept() const noexcept { return always_kept_; }
 
   /// Appends every live object at and below `index`, in no particular order.
   void appendObjects(std::uint32_t index, std::vector<ObjectId>& out) const;
-  /// How many that would be.
-  std::uint32_t countObjects(std::uint32_t index) const;
 
   /// Edits make the tree looser and deeper, never wrong. True once a rebuild would pay.
   bool degraded() const noexcept;
@@ -112,12 +114,12 @@ class WideBvh {
   using Nodes = ChunkedArray<WideNode, 64>;
 
   Nodes nodes_;
+  ChunkedArray<std::uint32_t> parent_of_;  ///< only edits ask
   ChunkedArray<std::uint32_t> lane_of_;
   std::vector<ObjectId> always_kept_;
   std::vector<std::uint32_t> free_nodes_;
   bool flat_ = false;
-  std::size_t live_objects_ = 0;
-  std::size_t lanes_taken_ = 0;  ///< objects with a lane, hidden ones too
+  std::size_t lanes_taken_ = 0;  ///< objects with a lane; in a hierarchy hidden ones too
   std::size_t edits_since_build_ = 0;
   std::size_t deepest_insert_ = 0;
 };

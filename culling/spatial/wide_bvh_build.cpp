@@ -129,14 +129,15 @@ class WideBvhBuilder {
     bvh.flat_ = true;
     collect(bvh);
     std::erase_if(items_, [this](const Item& item) { return !scene_.instance(item.id).active(); });
-    bvh.lanes_taken_ = bvh.live_objects_ = items_.size();
+    bvh.lanes_taken_ = items_.size();
     std::vector<std::span<Item>> groups;
     if (!items_.empty()) divide(items_, kWideLanes, groups);
     for (const std::span<Item> group : groups) {
-      WideNode node = emptyNode(WideBvh::kNoLane);
+      WideNode node = emptyNode();
       for (std::size_t l = 0; l < group.size(); ++l) node.child[l] = ChildRef::object(group[l].id);
       fitNode(node, scene_, [&node](std::uint32_t) -> const WideNode& { return node; });
       bvh.nodes_.push_back(node);
+      bvh.parent_of_.push_back(WideBvh::kNoLane);
     }
     bvh.nodes_.shrinkToFit();
     return bvh;
@@ -149,14 +150,11 @@ class WideBvhBuilder {
     lane_of_.assign(scene_.objectCount(), WideBvh::kNoLane);
     if (!items_.empty()) {
       nodes_.resize(std::max<std::size_t>(1, nodesFor(items_.size())));
+      parent_of_.resize(nodes_.size());
       buildNodes();
     }
-    for (const WideNode& node : nodes_) {
-      bvh.nodes_.push_back(node);
-      for (std::size_t l = 0; l < kWideLanes; ++l) {
-        if (node.child[l].isObject() && (node.live >> l & 1U) != 0) ++bvh.live_objects_;
-      }
-    }
+    for (const WideNode& node : nodes_) bvh.nodes_.push_back(node);
+    for (const std::uint32_t lane : parent_of_) bvh.parent_of_.push_back(lane);
     for (std::uint32_t lane : lane_of_) bvh.lane_of_.push_back(lane);
     return bvh;
   }
@@ -230,7 +228,8 @@ class WideBvhBuilder {
   /// Fills the lanes of one node; returns the nodes below it.
   std::vector<Job> expand(const Job& job) {
     WideNode& node = nodes_[job.node];
-    node = emptyNode(job.parent);
+    node = emptyNode();
+    parent_of_[job.node] = job.parent;
     const std::size_t capacity = laneCapacity(job.items.size());
     std::vector<std::span<Item>> lanes;
     divide(job.items, capacity, lanes);
@@ -284,6 +283,7 @@ class WideBvhBuilder {
   std::size_t threads_;
   std::vector<Item> items_;
   std::vector<WideNode> nodes_;
+  std::vector<std::uint32_t> parent_of_;
   std::vector<std::uint32_t> lane_of_;
 };
 

@@ -36,14 +36,6 @@ Box laneBox(const WideNode& node, std::size_t lane) {
   return box;
 }
 
-std::size_t liveObjectLanes(const WideNode& node) {
-  std::size_t count = 0;
-  for (std::size_t l = 0; l < kWideLanes; ++l) {
-    if (node.child[l].isObject() && (node.live >> l & 1U) != 0) ++count;
-  }
-  return count;
-}
-
 }  // namespace
 
 class WideBvhEditor {
@@ -82,10 +74,13 @@ class WideBvhEditor {
   /// with the box one level up.
   bool mayStay(std::uint32_t lane, const Instance& instance) const {
     if (!instance.active()) return true;
-    const WideNode* node = &bvh_.nodes_[lane / kLanes];
-    const bool was_live = (node->live >> (lane % kLanes) & 1U) != 0;
-    if (!was_live && node->parent != WideBvh::kNoLane) node = &bvh_.nodes_[node->parent / kLanes];
-    return node->parent == WideBvh::kNoLane || contains(boundsOf(*node), instance.bounds_world);
+    std::uint32_t index = lane / kLanes;
+    const bool was_live = (bvh_.nodes_[index].live >> (lane % kLanes) & 1U) != 0;
+    if (!was_live && bvh_.parentOf(index) != WideBvh::kNoLane) {
+      index = bvh_.parentOf(index) / kLanes;
+    }
+    return bvh_.parentOf(index) == WideBvh::kNoLane ||
+           contains(boundsOf(bvh_.nodes_[index]), instance.bounds_world);
   }
 
   WideNode& change(std::uint32_t index) { return bvh_.nodes_.mutableAt(index); }
@@ -97,29 +92,26 @@ class WideBvhEditor {
       WideNode node = old;
       fitNode(node, next_, [this](std::uint32_t i) -> const WideNode& { return bvh_.nodes_[i]; });
       if (std::memcmp(&node, &old, sizeof(WideNode)) == 0 && index != first_dirty_) return;
-      bvh_.live_objects_ += liveObjectLanes(node);
-      bvh_.live_objects_ -= liveObjectLanes(old);
       change(index) = node;
       if (index == first_dirty_) first_dirty_ = WideBvh::kNoLane;
-      if (node.parent == WideBvh::kNoLane) return;
-      index = node.parent / kLanes;
+      if (bvh_.parentOf(index) == WideBvh::kNoLane) return;
+      index = bvh_.parentOf(index) / kLanes;
     }
   }
 
-  /// Puts `child` into a lane and tells the child where it is. Boxes are left to refitUpwards.
+  /// Puts `child` into a lane and tells the child where it is. Boxes and counts are left to
+  /// refitUpwards.
   void setChild(std::uint32_t lane, ChildRef child) {
     WideNode& node = change(lane / kLanes);
     node.child[lane % kLanes] = child;
     if (child.isObject()) bvh_.lane_of_.mutableAt(child.objectId()) = lane;
-    if (child.isNode()) change(child.nodeIndex()).parent = lane;
+    if (child.isNode()) bvh_.parent_of_.mutableAt(child.nodeIndex()) = lane;
   }
 
-  /// Empties a lane, its live bit and its share of live_objects_ included.
+  /// Empties a lane. Boxes and counts are left to refitUpwards.
   void clearLane(std::uint32_t lane) {
     WideNode& node = change(lane / kLanes);
-    const std::uint32_t bit = 1U << (lane % kLanes);
-    if (node.child[lane % kLanes].isObject() && (node.live & bit) != 0) --bvh_.live_objects_;
-    node.live &= ~bit;
+    node.live &= ~(1U << (lane % kLanes));
     node.child[lane % kLanes] = ChildRef();
   }
 
@@ -129,7 +121,7 @@ class WideBvhEditor {
     --bvh_.lanes_taken_;
     clearLane(lane);
     std::uint32_t index = lane / kLanes;
-    while (bvh_.nodes_[index].parent != WideBvh::kNoLane) {
+    while (bvh_.parentOf(index) != WideBvh::kNoLane) {
       const WideNode& node = bvh_.nodes_[index];
       ChildRef last;
       std::uint32_t children = 0;
@@ -139,7 +131,7 @@ class WideBvhEditor {
         ++children;
       }
       if (children > 1) break;
-      const std::uint32_t parent_lane = node.parent;
+      const std::uint32_t parent_lane = bvh_.parentOf(index);
       if (children == 1) {
         moveUp(index, last, parent_lane);
       } else {
@@ -155,25 +147,27 @@ class WideBvhEditor {
   void moveUp(std::uint32_t index, ChildRef child, std::uint32_t parent_lane) {
     const bool was_live = bvh_.nodes_[index].live != 0;
     setChild(parent_lane, child);
-    // The lane counted as a node so far; a live object in it is counted by the node it left.
     WideNode& parent = change(parent_lane / kLanes);
     const std::uint32_t bit = 1U << (parent_lane % kLanes);
     parent.live = was_live ? parent.live | bit : parent.live & ~bit;
   }
 
   void release(std::uint32_t index) {
-    change(index) = emptyNode(WideBvh::kNoLane);
+    change(index) = emptyNode();
+    bvh_.parent_of_.mutableAt(index) = WideBvh::kNoLane;
     bvh_.free_nodes_.push_back(index);
   }
 
   std::uint32_t newNode(std::uint32_t parent_lane) {
     if (bvh_.free_nodes_.empty()) {
-      bvh_.nodes_.push_back(emptyNode(parent_lane));
+      bvh_.nodes_.push_back(emptyNode());
+      bvh_.parent_of_.push_back(parent_lane);
       return static_cast<std::uint32_t>(bvh_.nodes_.size() - 1);
     }
     const std::uint32_t index = bvh_.free_nodes_.back();
     bvh_.free_nodes_.pop_back();
-    change(index) = emptyNode(parent_lane);
+    change(index) = emptyNode();
+    bvh_.parent_of_.mutableAt(index) = parent_lane;
     return index;
   }
 
@@ -228,7 +222,7 @@ class WideBvhEditor {
   /// The object in a full node's lane and the new one become a node of their own.
   void splitLane(std::uint32_t at, ChildRef there, ObjectId id) {
     const std::uint32_t fresh = newNode(at);
-    clearLane(at);  // its object is counted again when the fresh node is fitted
+    clearLane(at);
     setChild(at, ChildRef::node(fresh));
     setChild(fresh * kLanes, there);
     setChild(fresh * kLanes + 1, ChildRef::object(id));

@@ -14,34 +14,39 @@ enum class LaneClass {
 };
 LaneClass laneClassOf(const Instance& instance) noexcept;
 
-WideNode emptyNode(std::uint32_t parent) noexcept;
+WideNode emptyNode() noexcept;
 
 /// Contains every live lane of the node exactly; empty if no lane is live.
 Box boundsOf(const WideNode& node) noexcept;
 
-/// Sets origin, offsets and live bits of the node from its children. `node_at(index)` gives a child
-/// node, which is fitted already.
+/// Sets origin, offsets, live bits and count of the node from its children. `node_at(index)` gives
+/// a child node, which is fitted already.
 template <typename NodeAt>
 void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at);
 
-/// The same from the boxes of the lanes; an empty box makes a lane that is not live.
+/// Origin, offsets and live bits from the boxes of the lanes; an empty box makes a lane that is not
+/// live.
 void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept;
 
 template <typename NodeAt>
 void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at) {
   Box boxes[kWideLanes];
+  std::uint32_t live_objects = 0;
   for (std::size_t l = 0; l < kWideLanes; ++l) {
     const ChildRef child = node.child[l];
     if (child.isObject()) {
       const Instance& instance = scene.instance(child.objectId());
       if (instance.active() && laneClassOf(instance) == LaneClass::kLane) {
         boxes[l] = instance.bounds_world;
+        ++live_objects;
       }
     } else if (!child.empty()) {
       boxes[l] = boundsOf(node_at(child.nodeIndex()));
+      live_objects += node_at(child.nodeIndex()).live_objects;
     }
   }
   fitNode(node, boxes);
+  node.live_objects = live_objects;
 }
 
 }  // namespace culld

@@ -267,7 +267,7 @@ class SheetAttack : public testing::Test {
   }
 
   float nearnessOf(DepthCells& cells, std::uint32_t x, std::uint32_t y) {
-    const std::uint32_t block = y / 8 * cells.grid().blocks_x + x / 8;
+    const std::uint32_t block = cells.grid().blockAt(x / 8, y / 8);
     const float least = cells.leastNearness(block);
     if (!cells.used(block)) return least;
     return std::max(least, cells.cells(block)[y % 8 * 8 + x % 8]);

@@ -82,7 +82,7 @@ class SheetTest : public ::testing::Test {
     return covered;
   }
   float cellAt(std::uint32_t x, std::uint32_t y) {
-    const std::uint32_t block = y / 8 * view_.grid.blocks_x + x / 8;
+    const std::uint32_t block = view_.grid.blockAt(x / 8, y / 8);
     return std::max(cells_.cells(block)[y % 8 * 8 + x % 8], cells_.leastNearness(block));
   }
   std::uint64_t allCells() const { return std::uint64_t{view_.grid.width} * view_.grid.height; }

@@ -92,7 +92,7 @@ TEST_P(FrustumSoundness, CullsNoBoxThatTouchesThePlanesFromInside) {
     Box boxes[kWideLanes];
     // A far plane at infinity has no direction to be tangent to.
     for (Box& box : boxes) box = tangentBox(random, world, camera, planes[random() % 5]);
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());
@@ -121,7 +121,7 @@ TEST_P(FrustumSoundness, CullsWhatIsOutsideByMoreThanAFewUlp) {
       box.grow(low);
       box.grow(low + scale * 0.1);
     }
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());
@@ -148,7 +148,7 @@ TEST_P(FrustumSoundness, SkipsAPlaneOnlyIfTheWholeBoxIsInside) {
       flipped.d = -flipped.d;
       box = tangentBox(random, world, camera, flipped);
     }
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());
@@ -201,7 +201,7 @@ TEST(FrustumSoundnessFarAway, CullsNoSpeckThatTouchesAPlane) {
       box.grow(box.min + ulp * glm::dvec3(random() % 64, random() % 64, random() % 64));
       moveOnto(plane, camera, ulp * uniform(random, -40, 40), box);
     }
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());
@@ -228,7 +228,7 @@ TEST(FrustumSoundnessSubnormal, CullsNoBoxThatTouchesAPlane) {
     const auto planes = exactPlanes(camera);
     Box boxes[kWideLanes];
     for (Box& box : boxes) box = tangentBox(random, world, camera, planes[random() % 5]);
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());
@@ -294,7 +294,7 @@ TEST(FrustumMotion, KeepsWhatIsSeenFromAnyPoseWithinTheBound) {
       box.grow(p);
       if (random() % 2 == 0) box.grow(p + 5.0 * uniform(random, 0, 1) * anyDirection(random));
     }
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     ASSERT_EQ(frustum.test(node, frustum.planes()).may_intersect, 0xFFU) << n;
@@ -312,7 +312,7 @@ TEST(FrustumMotion, StillCullsWhatNoPoseSees) {
     boxes[l].grow({x, -0.1, -10.1});
     boxes[l].grow({x + 0.5, 0.1, -10.0});
   }
-  WideNode node = emptyNode(WideBvh::kNoLane);
+  WideNode node = emptyNode();
   fitNode(node, boxes);
   const auto kept = [&](MotionBound motion) {
     const FrustumTest frustum(cameraFromLookAt(look, {}, motion).value(), no_tree);
@@ -363,7 +363,7 @@ TEST(FrustumTest, KeepsABoxAroundTheEye) {
       box.grow(camera.origin_world - glm::dvec3(0.01));
       box.grow(camera.origin_world + glm::dvec3(uniform(random, 0.01, 100)));
     }
-    WideNode node = emptyNode(WideBvh::kNoLane);
+    WideNode node = emptyNode();
     fitNode(node, boxes);
     const FrustumTest frustum(camera, no_tree);
     ASSERT_EQ(frustum.test(node, frustum.planes()).may_intersect, 0xFFU);

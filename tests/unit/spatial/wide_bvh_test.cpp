@@ -19,12 +19,15 @@ bool live(const WideNode& node, std::size_t lane) { return (node.live >> lane & 
 std::vector<ObjectId> checkedObjects(const WideBvh& bvh, const SceneSnapshot& scene) {
   std::vector<ObjectId> found;
   if (bvh.empty()) return found;
-  EXPECT_EQ(bvh.node(WideBvh::kRoot).parent, WideBvh::kNoLane);
+  EXPECT_EQ(bvh.parentOf(WideBvh::kRoot), WideBvh::kNoLane);
   std::vector<std::uint32_t> stack{WideBvh::kRoot};
   while (!stack.empty()) {
     const std::uint32_t index = stack.back();
     stack.pop_back();
     const WideNode& node = bvh.node(index);
+    std::vector<ObjectId> below_it;
+    bvh.appendObjects(index, below_it);
+    EXPECT_EQ(node.live_objects, below_it.size());
     for (std::size_t l = 0; l < kWideLanes; ++l) {
       const ChildRef child = node.child[l];
       const std::uint32_t lane = index * 8 + static_cast<std::uint32_t>(l);
@@ -42,7 +45,7 @@ std::vector<ObjectId> checkedObjects(const WideBvh& bvh, const SceneSnapshot& sc
         EXPECT_TRUE(containsExactly(exactLaneBox(node, l), instance.bounds_world));
       } else {
         const WideNode& below = bvh.node(child.nodeIndex());
-        EXPECT_EQ(below.parent, lane);
+        EXPECT_EQ(bvh.parentOf(child.nodeIndex()), lane);
         EXPECT_EQ(live(node, l), below.live != 0);
         for (std::size_t k = 0; k < kWideLanes; ++k) {
           if (!live(below, k)) continue;
