@@ -18,7 +18,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     const auto start = clock_.now();
     const Deadline deadline(clock_, start, demand.time);
     Answer answer;
-    if (camera.motion.still()) {
+    if (holdsInMotion(camera)) {
       RasterWalk(*boxes_.scene(), boxes_.bvh(), camera, deadline, demand.work,
                  view.memory<RasterMemory>())
           .run(answer);
@@ -49,7 +49,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
   }
 
  private:
-  /// What is drawn for one eye proves nothing for another; the frustum widens, occlusion does not.
+  /// Where one image cannot show what all poses see.
   void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
     const WideBvh& bvh = boxes_.bvh();
     const FrustumWalkStats walk =
@@ -60,7 +60,9 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
     answer.stats.work = walk.work(answer.visible.size());
     answer.out_of_budget = walk.out_of_time;
-    answer.note = "raster: the request has a motion bound, occlusion is left out";
+    answer.note = camera.perspective
+                      ? "raster: the motion bound turns too far, occlusion is left out"
+                      : "raster: an orthographic camera that turns, occlusion is left out";
   }
 
   PreparedBoxes boxes_;

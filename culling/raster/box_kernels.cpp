@@ -1,6 +1,8 @@
 // Highway code for box_kernels.h: lanes are boxes, so they never meet.
 #include "culling/raster/box_kernels.h"
 
+#include "culling/raster/rounding.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "culling/raster/box_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -69,10 +71,11 @@ HWY_INLINE hn::Mask<Lanes> InRange(Lanes d, const RangeVec& r) {
   return hn::And(hn::Ge(r.low, hn::Set(d, -kLargest)), hn::Le(r.high, hn::Set(d, kLargest)));
 }
 
-HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high) {
+HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high, Vec grow) {
   const Vec o = hn::Set(d, static_cast<float>(origin));
   const Vec lo = hn::LoadU(d, low), hi = hn::LoadU(d, high);
-  return {hn::Add(o, lo), hn::Add(o, hi), hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)))};
+  const Vec reach = hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)));
+  return {hn::Sub(hn::Add(o, lo), grow), hn::Add(hn::Add(o, hi), grow), hn::Add(reach, grow)};
 }
 
 void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
@@ -81,10 +84,11 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
   out.off_grid = 0;
   const Vec zero = hn::Zero(d), infinity = hn::Set(d, std::numeric_limits<float>::infinity());
   const Vec width = hn::Set(d, view.width), height = hn::Set(d, view.height);
+  const Vec grow = hn::Set(d, view.grow);
   for (std::size_t first = 0; first < kBoxLanes; first += hn::Lanes(d)) {
-    const AxisVec axis[3] = {LoadAxis(d, origin[0], offsets[0] + first, offsets[3] + first),
-                             LoadAxis(d, origin[1], offsets[1] + first, offsets[4] + first),
-                             LoadAxis(d, origin[2], offsets[2] + first, offsets[5] + first)};
+    const AxisVec axis[3] = {LoadAxis(d, origin[0], offsets[0] + first, offsets[3] + first, grow),
+                             LoadAxis(d, origin[1], offsets[1] + first, offsets[4] + first, grow),
+                             LoadAxis(d, origin[2], offsets[2] + first, offsets[5] + first, grow)};
     const RowVecs u = Evaluate(d, view.u.data(), axis), v = Evaluate(d, view.v.data(), axis);
     const RowVecs w = Evaluate(d, view.w.data(), axis), n = Evaluate(d, view.n.data(), axis);
     Vec w_min = w.corner(0), w_max = w.corner(0), n_max = n.corner(0);
@@ -146,6 +150,7 @@ BoxView boxView(const CellView& view) noexcept {
   box.perspective = view.perspective;
   box.width = static_cast<float>(view.grid.width);
   box.height = static_cast<float>(view.grid.height);
+  box.grow = floatUp(view.grow_m);
   return box;
 }
 

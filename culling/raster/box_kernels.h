@@ -16,6 +16,7 @@ struct BoxView {
   std::array<float, 4> u{}, v{}, w{}, n{};
   bool perspective = true;
   float width = 0.0F, height = 0.0F;  ///< grid, cells
+  float grow = 0.0F;  ///< metres by which boxes reach farther, for an eye that moves
 };
 
 BoxView boxView(const CellView& view) noexcept;
@@ -23,10 +24,10 @@ BoxView boxView(const CellView& view) noexcept;
 /// Offsets of eight boxes from a common origin: min x, y, z, max x, y, z, each eight lanes.
 using BoxOffsets = const float (*)[kBoxLanes];
 
-/// Per lane, in cells: contains every point of the box that may be on the image.
+/// Per lane, in cells: contains every point of the grown box that may be on the image.
 struct BoxRects {
   alignas(32) std::array<float, kBoxLanes> x0, x1, y0, y1;
-  alignas(32) std::array<float, kBoxLanes> nearest;  ///< no point of the box is nearer
+  alignas(32) std::array<float, kBoxLanes> nearest;  ///< no point of it is nearer
   std::uint32_t off_grid = 0;  ///< bit l: box l is surely beside the image or behind the eye
 };
 

@@ -64,7 +64,8 @@ void projectBoxesReference(const BoxView& view, const std::array<double, 3>& ori
     for (std::size_t i = 0; i < 3; ++i) {
       const float o = static_cast<float>(origin[i]);
       const float low = offsets[i][lane], high = offsets[i + 3][lane];
-      axis[i] = {o + low, o + high, std::abs(o) + (std::abs(low) + std::abs(high))};
+      axis[i] = {(o + low) - view.grow, (o + high) + view.grow,
+                 (std::abs(o) + (std::abs(low) + std::abs(high))) + view.grow};
     }
     const RowBounds u = evaluate(view.u, axis), v = evaluate(view.v, axis),
                     w = evaluate(view.w, axis), n = evaluate(view.n, axis);

@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "culling/raster/moving_view.h"
+
 namespace culld {
 namespace {
 
@@ -23,6 +25,27 @@ double frontSign(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& tow
   const double error = 16.0 * std::numeric_limits<double>::epsilon() * scale;
   if (!(std::abs(det) > error)) return 0.0;
   return det > 0.0 ? 1.0 : -1.0;
+}
+
+CellView stillView(const Camera& camera, const CellGrid& grid) noexcept {
+  CellView view;
+  view.grid = grid;
+  view.u = (camera.x_row + camera.w_row) * (0.5 * grid.width);
+  view.v = (camera.y_row + camera.w_row) * (0.5 * grid.height);
+  view.w = camera.w_row;
+  view.n = camera.near_row;
+  view.near_cut = camera.near_cut_row;
+  view.far_cut = camera.far_cut_row;
+  view.perspective = camera.perspective;
+  if (camera.perspective) {  // w in metres along the axis, whatever the projection's scale
+    const double scale = 1.0 / glm::length(glm::dvec3(camera.w_row));
+    for (glm::dvec4* row : {&view.u, &view.v, &view.w, &view.near_cut, &view.far_cut})
+      *row *= scale;
+  }
+  const glm::dvec3 toward =
+      camera.perspective ? -glm::dvec3(camera.w_row) : glm::dvec3(camera.near_row);
+  view.front_sign = frontSign(glm::dvec3(camera.x_row), glm::dvec3(camera.y_row), toward);
+  return view;
 }
 
 }  // namespace
@@ -45,24 +68,15 @@ CellGrid gridFor(const Camera& camera) noexcept {
 }
 
 CellView cellView(const Camera& camera, const CellGrid& grid) noexcept {
-  CellView view;
-  view.grid = grid;
-  view.u = (camera.x_row + camera.w_row) * (0.5 * grid.width);
-  view.v = (camera.y_row + camera.w_row) * (0.5 * grid.height);
-  view.w = camera.w_row;
-  view.n = camera.near_row;
-  view.near_cut = camera.near_cut_row;
-  view.far_cut = camera.far_cut_row;
-  view.perspective = camera.perspective;
-  if (camera.perspective) {  // w in metres along the axis, whatever the projection's scale
-    const double scale = 1.0 / glm::length(glm::dvec3(camera.w_row));
-    for (glm::dvec4* row : {&view.u, &view.v, &view.w, &view.near_cut, &view.far_cut})
-      *row *= scale;
-  }
-  const glm::dvec3 toward =
-      camera.perspective ? -glm::dvec3(camera.w_row) : glm::dvec3(camera.near_row);
-  view.front_sign = frontSign(glm::dvec3(camera.x_row), glm::dvec3(camera.y_row), toward);
+  CellView view = stillView(camera, grid);
+  if (!camera.motion.still()) setInMotion(view, camera.motion);
   return view;
+}
+
+bool holdsInMotion(const Camera& camera) noexcept {
+  if (camera.motion.still()) return true;
+  CellView view = stillView(camera, gridFor(camera));
+  return setInMotion(view, camera.motion);
 }
 
 }  // namespace culld

@@ -5,6 +5,7 @@
 #include <glm/vec4.hpp>
 
 #include "culling/core/camera.h"
+#include "culling/raster/eye_motion.h"
 
 namespace culld {
 
@@ -41,8 +42,16 @@ struct CellView {
   /// Sign of the projected area of a triangle that turns its front (CCW side) to the eye; 0 if the
   /// camera is so flat that this cannot be told, then nothing blocks.
   double front_sign = 1.0;
+  EyeMotion motion;     ///< of what is drawn; an orthographic image does not change with the eye
+  double grow_m = 0.0;  ///< boxes that are looked up reach so much farther
 };
 
+/// GUARANTEES: for a camera with a motion bound the view shows what any of its poses sees, from
+/// their eyes but in the camera's own orientation, on a wider grid of cells about as large;
+/// blockers are cut where a near plane of any pose may cut them. REQUIRES: holdsInMotion(camera).
 CellView cellView(const Camera& camera, const CellGrid& grid) noexcept;
+
+/// False: the camera may turn too far, or it is orthographic and turns. No such view exists.
+bool holdsInMotion(const Camera& camera) noexcept;
 
 }  // namespace culld

@@ -36,14 +36,14 @@ ObjectRows objectRows(const CellView& view, const std::array<double, 12>& m,
   const auto row = [&](const glm::dvec4& r) { return objectRow(r, m, offset, largest); };
   const BoundedRow u = row(view.u), v = row(view.v), w = row(view.w), n = row(view.n),
                    near_cut = row(view.near_cut), far_cut = row(view.far_cut);
-  return {
-      u.row,
-      v.row,
-      w.row,
-      n.row,
-      near_cut.row,
-      far_cut.row,
-      {u.error, v.error, w.error, view.perspective ? 0.0 : n.error, near_cut.error, far_cut.error}};
+  return {u.row,
+          v.row,
+          w.row,
+          n.row,
+          near_cut.row,
+          far_cut.row,
+          {u.error, v.error, w.error, view.perspective ? 0.0 : n.error, near_cut.error,
+           far_cut.error, view.motion}};
 }
 
 /// Six products of three and five sums: 8 units cover them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "culling/raster/cell_view.h"
 #include "culling/raster/rounding.h"
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kBlockCells = kBlockSide;
 constexpr double kMaskMargin = 0x1p-12;  ///< cells; covers the float evaluation of masks (§4.3)
+constexpr double kMostSway = 512.0;      ///< cells up to which it does so
 
 /// The value's least and largest deviation from the lower corner, over `cells` x `cells` cells.
 double lowest(const SideLine& s, double cells) {
@@ -24,19 +26,33 @@ double atBlock(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y) 
   return s.c + s.a * (kBlockCells * block_x) + s.b * (kBlockCells * block_y);
 }
 
-bool blockInside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y) {
-  if (!s.usable()) return false;
-  return atBlock(s, block_x, block_y) + lowest(s, kBlockCells) - (s.error + kMaskMargin) > 0.0;
+/// At least the nearness of the triangle in the block, wherever the eye is within its motion.
+/// Convex along a row; 0 if the eye is still, as then nothing depends on it.
+double nearestInBlock(const ProjectedTriangle& t, std::uint32_t block_x, std::uint32_t block_y) {
+  if (!t.moving) return 0.0;
+  const double corner =
+      t.nearest_c + t.nearest_a * (kBlockCells * block_x) + t.nearest_b * (kBlockCells * block_y);
+  const double most = kBlockCells * (std::max(t.nearest_a, 0.0) + std::max(t.nearest_b, 0.0));
+  return std::max(corner + most, 0.0);
 }
 
-bool blockBeside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y) {
+/// `nearest`: of the triangle in the block.
+bool blockInside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double nearest) {
   if (!s.usable()) return false;
-  return atBlock(s, block_x, block_y) + highest(s, kBlockCells) + (s.error + kMaskMargin) < 0.0;
+  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  return atBlock(s, block_x, block_y) + lowest(s, kBlockCells) - margin > 0.0;
+}
+
+bool blockBeside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double nearest) {
+  if (!s.usable()) return false;
+  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  return atBlock(s, block_x, block_y) + highest(s, kBlockCells) + margin < 0.0;
 }
 
 bool filled(const ProjectedTriangle& t, std::uint32_t block_x, std::uint32_t block_y) {
+  const double nearest = nearestInBlock(t, block_x, block_y);
   for (std::uint32_t s = 0; s < t.side_count; ++s) {
-    if (!blockInside(t.sides[s], block_x, block_y)) return false;
+    if (!blockInside(t.sides[s], block_x, block_y, nearest)) return false;
   }
   return true;
 }
@@ -52,24 +68,47 @@ std::uint32_t clampBlock(double x, std::uint32_t low, std::uint32_t high) {
 }
 
 /// Narrows [first, end) to where side `s` may be touched; a block more on each side is harmless.
-void narrowTouched(const SideLine& s, std::uint32_t block_y, std::uint32_t& first,
+/// `nearest`: of the triangle in the row.
+void narrowTouched(const SideLine& s, std::uint32_t block_y, double nearest, std::uint32_t& first,
                    std::uint32_t& end) {
   if (!s.usable() || s.a == 0.0) return;
-  const double x = crossing(s, block_y, highest(s, kBlockCells) + s.error + kMaskMargin);
+  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  const double x = crossing(s, block_y, highest(s, kBlockCells) + margin);
   if (s.a > 0.0) first = std::max(first, clampBlock(x - 1.0, first, end));
   if (s.a < 0.0) end = std::min(end, clampBlock(x + 2.0, first, end));
+}
+
+/// The side moved inwards by its sway, as if nearness were its plane everywhere in a block's reach.
+SideLine swayedInwards(const SideLine& s, const ProjectedTriangle& t) {
+  const double most = kBlockCells * (std::max(t.nearest_a, 0.0) + std::max(t.nearest_b, 0.0));
+  return {s.a - s.sway * t.nearest_a, s.b - s.sway * t.nearest_b,
+          s.c - s.sway * (t.nearest_c + most), s.error, 0.0};
 }
 
 /// Narrows [first, end) to about where side `s` leaves blocks inside.
 void narrowFilled(const SideLine& s, std::uint32_t block_y, std::uint32_t& first,
                   std::uint32_t& end) {
   if (s.a == 0.0) {
-    if (!blockInside(s, first, block_y)) end = first;
+    if (!blockInside(s, first, block_y, 0.0)) end = first;
     return;
   }
   const double x = crossing(s, block_y, lowest(s, kBlockCells) - s.error - kMaskMargin);
   if (s.a > 0.0) first = std::max(first, clampBlock(std::floor(x) + 1.0, first, end));
   if (s.a < 0.0) end = std::min(end, clampBlock(std::ceil(x), first, end));
+}
+
+/// Moves the thresholds of side `k` apart by how far it may move within the block.
+void sway(const SideLine& s, double nearest, BlockTriangle& out, std::uint32_t k) {
+  if (!s.usable()) return;
+  const double margin = s.error + kMaskMargin, cells = s.sway * nearest;
+  if (cells <= kMostSway) {
+    out.inside[k] = floatUp(margin + cells - lowest(s, 1.0));
+    out.touch[k] = floatDown(-margin - cells - highest(s, 1.0));
+  } else {  // the sample point alone is decided, and that by a value which float can hold
+    out.inside[k] = std::numeric_limits<float>::max();
+    out.touch[k] = std::numeric_limits<float>::lowest();
+    out.c[k] = std::clamp(out.c[k], -64.0F, 64.0F);
+  }
 }
 
 }  // namespace
@@ -100,15 +139,18 @@ BlockSpan TriangleBlocks::span(std::uint32_t block_y) const noexcept {
   BlockSpan span;
   span.first_touched = t.cell_x0 / kBlockSide;
   span.end_touched = t.cell_x1 / kBlockSide + 1;
+  const double nearest = std::max(nearestInBlock(t, span.first_touched, block_y),
+                                  nearestInBlock(t, span.end_touched - 1, block_y));
   for (std::uint32_t s = 0; s < t.side_count; ++s) {
-    narrowTouched(t.sides[s], block_y, span.first_touched, span.end_touched);
+    narrowTouched(t.sides[s], block_y, nearest, span.first_touched, span.end_touched);
   }
   std::uint32_t first = span.first_touched, end = span.end_touched;
   for (std::uint32_t s = 0; s < t.side_count && first < end; ++s) {
     if (!t.sides[s].usable()) end = first;
-    narrowFilled(t.sides[s], block_y, first, end);
+    narrowFilled(t.moving ? swayedInwards(t.sides[s], t) : t.sides[s], block_y, first, end);
   }
-  // Each side is linear along the row: if both ends are inside, so is everything between.
+  // Each side is linear along the row, less a convex sway: if both ends are inside, so is
+  // everything between.
   while (first < end && !filled(t, first, block_y)) ++first;
   while (first < end && !filled(t, end - 1, block_y)) --end;
   span.first_filled = first;
@@ -138,10 +180,11 @@ bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
                           BlockTriangle& out) const noexcept {
   out.sides = 0;
   out.net_sides = 0;
+  const double nearest = nearestInBlock(triangle_, block_x, block_y);
   for (std::uint32_t s = 0; s < triangle_.side_count; ++s) {
     const SideLine& side = triangle_.sides[s];
-    if (blockBeside(side, block_x, block_y)) return false;
-    if (blockInside(side, block_x, block_y)) continue;
+    if (blockBeside(side, block_x, block_y, nearest)) return false;
+    if (blockInside(side, block_x, block_y, nearest)) continue;
     const std::uint32_t k = out.sides++;
     const Masks& m = masks_[s];
     out.a[k] = m.a;
@@ -151,6 +194,7 @@ bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
     out.touch[k] = m.touch;
     out.sample[k] = m.sample;
     if (m.net) out.net_sides |= 1U << k;
+    if (triangle_.moving) sway(side, nearest, out, k);
   }
   const double a = triangle_.depth_a, b = triangle_.depth_b;
   const double c = triangle_.depth_c + a * (kBlockCells * block_x) + b * (kBlockCells * block_y) +

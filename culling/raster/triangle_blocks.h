@@ -22,7 +22,8 @@ class TriangleBlocks {
   TriangleBlocks(const ProjectedTriangle& triangle, std::uint32_t net_edges) noexcept;
 
   /// REQUIRES: block_y within the triangle's cells. GUARANTEES: blocks outside `touched` are surely
-  /// not touched, blocks inside `filled` surely lie in the triangle.
+  /// not touched, blocks inside `filled` surely lie in the triangle; wherever the eye is within its
+  /// motion.
   BlockSpan span(std::uint32_t block_y) const noexcept;
 
   /// Nearness of the triangle's farthest point over the block, rounded farther.

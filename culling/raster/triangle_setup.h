@@ -5,6 +5,8 @@
 #include <array>
 #include <cstdint>
 
+#include "culling/raster/eye_motion.h"
+
 namespace culld {
 
 /// A vertex through CellView's rows.
@@ -12,15 +14,21 @@ struct CellVertex {
   double u, v, w, n, near_cut, far_cut;
 };
 
-/// Bounds on |computed - true| of each component, for all vertices of one object.
+/// What is not known about the vertices of one object.
 struct CellVertexError {
+  /// Bounds on |computed - true| of each component, for every vertex by itself.
   double u = 0, v = 0, w = 0, n = 0, near_cut = 0, far_cut = 0;
+  /// And all may move together; the cuts stay where they are on the object.
+  EyeMotion motion{};
 };
 
 /// One half-plane a * u + b * v + c >= 0 of the image, scaled to |a| + |b| = 1.
-/// True value - computed value is within +- error (cells) everywhere on the grid.
+/// True value - computed value is within +- error (cells) everywhere on the grid. Where the eye
+/// moves, the triangle's side comes no nearer to a point (u, v) with value > error + sway *
+/// max(nearest plane, 0) there, whatever its sign.
 struct SideLine {
   double a, b, c, error;
+  double sway = 0.0;  ///< cells per nearness; 0 if the eye is still
   bool usable() const noexcept { return error <= 0.5; }  ///< worse, and it decides nothing
 };
 
@@ -33,6 +41,9 @@ struct ProjectedTriangle {
   std::uint32_t side_count = 3;
   double depth_a = 0, depth_b = 0, depth_c = 0;  ///< nearness is never less than this plane
   double depth_floor = 0;                        ///< nor than this
+  bool moving = false;                           ///< with the eye
+  /// If moving: nearness is never more than this plane, wherever the eye is.
+  double nearest_a = 0, nearest_b = 0, nearest_c = 0;
   /// Cells that the triangle may touch, clamped to the grid; the whole grid if it nears the eye.
   std::uint32_t cell_x0 = 0, cell_x1 = 0, cell_y0 = 0, cell_y1 = 0;
   bool on_grid = false;
@@ -49,14 +60,25 @@ struct EdgeLine {
   double error_a, error_b, error_c;
 };
 
+EdgeLine lineThrough(const CellVertex& p, const CellVertex& q,
+                     const CellVertexError& error) noexcept;
+/// The line as a half-plane, positive on the left of p -> q, or for orientation -1 on its right.
+SideLine sideOf(const EdgeLine& line, const GridSize& grid, int orientation) noexcept;
+
+/// Nearness a * u + b * v + c over the image, if known.
+struct DepthPlane {
+  double a = 0, b = 0, c = 0;
+  bool known = false;
+};
+
 /// Which way a triangle turns on the image, and what tells it: the same lines and determinant make
 /// the half-planes and the depth of those that are drawn.
 struct OrientedTriangle {
-  /// +1 / -1: sign of the projected area, certain in spite of rounding; 0: not certain, not asked
-  /// for, or the numbers are out of range. The lines are valid only where it is not 0.
+  /// +1 / -1: sign of the projected area, certain in spite of rounding and motion; 0: not certain,
+  /// not asked for, or the numbers are out of range. The lines are valid only where it is not 0.
   int orientation = 0;
   EdgeLine pq, qr, rp;
-  double determinant, determinant_error;
+  double determinant, determinant_error;  ///< the error includes what motion changes
 };
 
 /// `wanted`: the only orientation asked for, +1 or -1; 0: both. COST: about 40 flops, 100 for a
@@ -69,5 +91,17 @@ OrientedTriangle orientTriangle(const CellVertex& p, const CellVertex& q, const 
 ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, const CellVertex& r,
                                   const CellVertexError& error, const GridSize& grid,
                                   const OrientedTriangle& oriented) noexcept;
+
+/// A plane that the nearness of the triangle's plane falls below nowhere on the grid.
+/// REQUIRES: as projectTriangle, an eye that is still.
+DepthPlane depthPlane(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                      const CellVertexError& error, const GridSize& grid,
+                      const OrientedTriangle& oriented) noexcept;
+
+/// True if neither clip plane cuts anything off the triangle's plane that could be on the image.
+/// REQUIRES: as depthPlane.
+bool surelyUncut(const CellVertex& p, const CellVertex& q, const CellVertex& r,
+                 const CellVertexError& error, const GridSize& grid,
+                 const OrientedTriangle& oriented) noexcept;
 
 }  // namespace culld

@@ -1,0 +1,12 @@
+// A still camera's view becomes one that shows what every pose within a motion bound sees.
+// docs/error-model.md §7 proves it.
+#pragma once
+#include "culling/raster/cell_view.h"
+
+namespace culld {
+
+/// REQUIRES: `view` made for the camera as if it were still. False if there is no such view: then
+/// nothing may be drawn or looked up in it.
+bool setInMotion(CellView& view, const MotionBound& bound) noexcept;
+
+}  // namespace culld
