@@ -15,6 +15,7 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 
 // Nanoseconds of counted work, measured (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
+constexpr std::uint64_t kPieceNs = 700, kOutlineBlockNs = 30;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
@@ -24,6 +25,10 @@ std::uint32_t clampCell(float x, std::uint32_t side) {
   return static_cast<std::uint32_t>(std::min(std::max(x, 0.0F), top));  // truncation: x >= 0
 }
 
+glm::dvec3 largestOf(const Mesh& mesh) {
+  return glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
+}
+
 CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid) {
   return {clampCell(rects.x0[lane], grid.width), clampCell(rects.x1[lane], grid.width),
           clampCell(rects.y0[lane], grid.height), clampCell(rects.y1[lane], grid.height)};
@@ -31,11 +36,13 @@ CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid)
 
 }  // namespace
 
-RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
+RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh,
+                       std::span<const ConvexPieces> pieces, const Camera& camera,
                        const Deadline& deadline, std::chrono::nanoseconds most_work,
                        RasterMemory& memory)
     : scene_(scene),
       bvh_(bvh),
+      pieces_(pieces),
       deadline_(deadline),
       most_work_(most_work),
       memory_(memory),
@@ -120,22 +127,50 @@ bool RasterWalk::worthDrawing(const RasterItem& item) const {
   return mesh.blocking_triangles != 0 && mesh.blocking_triangles <= kTrianglesPerCell * cells;
 }
 
-/// False if time ran out on the way.
+/// False if time ran out on the way: it is checked while a sheet is drawn.
 bool RasterWalk::drawObject(const RasterItem& item) {
   const Instance& instance = scene_.instance(item.ref.objectId());
+  ++stats_.occluders_drawn;
+  return drawPieces(item, instance) || drawSheet(item, instance);
+}
+
+/// False: not all of it is convex pieces that can be drawn as such.
+bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance) {
+  const ConvexPieces& pieces = pieces_[instance.mesh];
+  const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
+  if (pieces.size() == 0 || wanted == 0 || !view_.motion.still) return false;
+  const ObjectRows rows = objectRows(view_, instance.world_from_mesh, origin_world_,
+                                     largestOf(scene_.mesh(instance.mesh)));
+  memory_.outlines.resize(pieces.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const OutlineVerdict verdict =
+        outlineOf(pieces[i], rows, view_.grid, view_.perspective, wanted, memory_.outlines[count]);
+    if (verdict == OutlineVerdict::kNeedSheet) return false;
+    if (verdict == OutlineVerdict::kDraw) ++count;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const ConvexOutline& outline = memory_.outlines[i];
+    const std::uint32_t blocks = drawOutline(outline, item.nearest, memory_.cells);
+    stats_.triangles_drawn += outline.triangles;
+    drawing_ns_ += kPieceNs + kOutlineBlockNs * blocks;
+  }
+  return true;
+}
+
+/// False if time ran out on the way.
+bool RasterWalk::drawSheet(const RasterItem& item, const Instance& instance) {
   const Mesh& mesh = scene_.mesh(instance.mesh);
   memory_.surfaces.clear();
   for (const Surface& s : mesh.surfaces) {
     if (s.blocks) memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
   }
-  const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
   const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
-                           memory_.surfaces, instance.world_from_mesh, largest,
+                           memory_.surfaces, instance.world_from_mesh, largestOf(mesh),
                            item.nearest};
   const DrawnSheet drawn =
       memory_.sheets.draw(object, view_, origin_world_, deadline_, memory_.cells);
   stats_.triangles_drawn += drawn.triangles;
-  ++stats_.occluders_drawn;
   drawing_ns_ += kVertexNs * mesh.positions.size() + kTriangleNs * drawn.triangles +
                  kDrawingWorkNs * drawn.work;
   return !drawn.out_of_time;

@@ -2,11 +2,14 @@
 // that are worth it drawn as occluders, and everything not hidden tested once more at the end.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/occluders/convex_pieces.h"
 #include "culling/raster/box_kernels.h"
 #include "culling/raster/cell_view.h"
+#include "culling/raster/convex_outline.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/raster/sheet.h"
 #include "culling/spatial/frustum_test.h"
@@ -30,12 +33,15 @@ struct RasterMemory final : ViewState::Memory {
   std::vector<RasterItem> queue;       ///< a heap, nearest on top
   std::vector<RasterItem> candidates;  ///< objects not hidden by what was drawn before them
   std::vector<SheetSurface> surfaces;
+  std::vector<ConvexOutline> outlines;
 };
 
 class RasterWalk {
  public:
-  RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Camera& camera,
-             const Deadline& deadline, std::chrono::nanoseconds most_work, RasterMemory& memory);
+  /// `pieces`: of each mesh of the scene.
+  RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, std::span<const ConvexPieces> pieces,
+             const Camera& camera, const Deadline& deadline, std::chrono::nanoseconds most_work,
+             RasterMemory& memory);
 
   /// Appends the objects not proven hidden to answer.visible, in no particular order.
   void run(Answer& answer);
@@ -48,6 +54,8 @@ class RasterWalk {
   void takeHidden(const RasterItem& item);
   bool worthDrawing(const RasterItem& item) const;
   bool drawObject(const RasterItem& item);
+  bool drawPieces(const RasterItem& item, const Instance& instance);
+  bool drawSheet(const RasterItem& item, const Instance& instance);
   void keepTheRest(Answer& answer);
   std::chrono::nanoseconds work() const;
   void push(const RasterItem& item);
@@ -58,6 +66,7 @@ class RasterWalk {
 
   const SceneSnapshot& scene_;
   const WideBvh& bvh_;
+  std::span<const ConvexPieces> pieces_;
   const Deadline& deadline_;
   std::chrono::nanoseconds most_work_;  ///< 0: no limit
   RasterMemory& memory_;

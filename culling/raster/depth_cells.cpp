@@ -10,22 +10,16 @@ namespace {
 
 constexpr std::uint32_t kTileBlocks = kTileSide * kTileSide;
 
-/// Bits of an 8 x 8 square within [x0, x1] x [y0, y1], clamped to it: bit 8 * y + x.
-std::uint64_t rectMask(std::uint32_t x0, std::uint32_t x1, std::uint32_t y0, std::uint32_t y1) {
+}  // namespace
+
+std::uint64_t squareMask(const CellRect& rect, std::uint32_t x, std::uint32_t y) noexcept {
+  const std::uint32_t x0 = std::max(rect.x0, x) - x, x1 = std::min(rect.x1 - x, 7U);
+  const std::uint32_t y0 = std::max(rect.y0, y) - y, y1 = std::min(rect.y1 - y, 7U);
   const std::uint64_t row = (0xFFU << x0 & 0xFFU) & (0xFFU >> (7 - x1));
   const std::uint64_t rows =
       (~std::uint64_t{0} << (8 * y0)) & (~std::uint64_t{0} >> (8 * (7 - y1)));
   return row * 0x0101010101010101U & rows;
 }
-
-/// The part of [first, last] that lies in the eight from `begin` on, relative to it.
-struct Within {
-  std::uint32_t first, last;
-  Within(std::uint32_t first_, std::uint32_t last_, std::uint32_t begin)
-      : first(std::max(first_, begin) - begin), last(std::min(last_ - begin, 7U)) {}
-};
-
-}  // namespace
 
 void DepthCells::reset(const CellGrid& grid) {
   grid_ = grid;
@@ -52,9 +46,8 @@ bool DepthCells::cellsHide(std::uint32_t block_x, std::uint32_t block_y, const C
                            float nearest) const {
   const std::uint32_t block = grid_.blockAt(block_x, block_y);
   if (used_in_[block] != frame_) return false;
-  const Within x(rect.x0, rect.x1, block_x * kBlockSide), y(rect.y0, rect.y1, block_y * kBlockSide);
   const std::uint64_t hiding = cellsNearerThan(cells_[block].data(), nearest);
-  return (rectMask(x.first, x.last, y.first, y.last) & ~hiding) == 0;
+  return (squareMask(rect, block_x * kBlockSide, block_y * kBlockSide) & ~hiding) == 0;
 }
 
 bool DepthCells::tileHides(std::uint32_t tile_x, std::uint32_t tile_y, const CellRect& rect,
@@ -67,10 +60,9 @@ bool DepthCells::tileHides(std::uint32_t tile_x, std::uint32_t tile_y, const Cel
   }
   if (tile_least_[tile] > nearest) return true;
   const std::uint32_t left = tile_x * kTileSide, bottom = tile_y * kTileSide;
-  const Within x(rect.x0 / kBlockSide, rect.x1 / kBlockSide, left);
-  const Within y(rect.y0 / kBlockSide, rect.y1 / kBlockSide, bottom);
-  std::uint64_t open =
-      rectMask(x.first, x.last, y.first, y.last) & ~cellsNearerThan(least, nearest);
+  const CellRect blocks{rect.x0 / kBlockSide, rect.x1 / kBlockSide, rect.y0 / kBlockSide,
+                        rect.y1 / kBlockSide};
+  std::uint64_t open = squareMask(blocks, left, bottom) & ~cellsNearerThan(least, nearest);
   for (; open != 0; open &= open - 1) {
     const auto bit = static_cast<std::uint32_t>(std::countr_zero(open));
     if (!cellsHide(left + bit % kTileSide, bottom + bit / kTileSide, rect, nearest)) return false;

@@ -15,6 +15,10 @@ struct CellRect {
   std::uint32_t x0, x1, y0, y1;
 };
 
+/// Bits of the 8 x 8 square whose lower corner is (x, y): those within `rect`, in the same units.
+/// Bit 8 * j + i stands for (x + i, y + j). REQUIRES: they meet.
+std::uint64_t squareMask(const CellRect& rect, std::uint32_t x, std::uint32_t y) noexcept;
+
 class DepthCells {
  public:
   /// Forgets everything. COST: one float per block; cells are cleared when first used.
@@ -30,6 +34,12 @@ class DepthCells {
   void setLeastNearness(std::uint32_t block, float least) noexcept {
     least_[block] = least;
     tile_stale_[block / (kTileSide * kTileSide)] = 1;
+  }
+
+  /// The 64 of a tile, to be raised.
+  float* leastOfTile(std::uint32_t tile) noexcept {
+    tile_stale_[tile] = 1;
+    return least_.data() + tile * kTileSide * kTileSide;
   }
 
   /// Something in the rectangle, nowhere nearer than `nearest`, is hidden in every cell of it.

@@ -194,18 +194,6 @@ void addCut(ProjectedTriangle& t, const std::array<EdgeLine, 3>& opposite,
   if (!motion.still) addSway(side, withErrors(sum, opposite, k, k_error), motion);
 }
 
-/// k is surely positive on the image wherever the triangle is: at its vertices, or all over the grid
-/// as far as its plane reaches.
-bool surelyPositive(const std::array<EdgeLine, 3>& opposite, const std::array<double, 3>& k,
-                    double k_error, const GridSize& g, int orientation) {
-  if (std::min({k[0], k[1], k[2]}) > 2.0 * k_error) return true;
-  const Combined sum = combine(opposite, k, k_error, g);
-  const double o = orientation;
-  const double least =
-      o * sum.c + std::min(o * sum.a, 0.0) * g.width + std::min(o * sum.b, 0.0) * g.height;
-  return least > 1.01 * sum.error;
-}
-
 /// Clamped cell range of [low, high]; false if it misses [0, side].
 bool cellRange(double low, double high, double side, std::uint32_t& first, std::uint32_t& last) {
   if (high < 0.0 || low > side) return false;
@@ -331,14 +319,13 @@ DepthPlane depthPlane(const CellVertex& p, const CellVertex& q, const CellVertex
   return farthestPlane(sum, {oriented.determinant, oriented.determinant_error}, error.n, grid);
 }
 
-bool surelyUncut(const CellVertex& p, const CellVertex& q, const CellVertex& r,
-                 const CellVertexError& error, const GridSize& grid,
-                 const OrientedTriangle& oriented) noexcept {
-  const std::array<EdgeLine, 3> opposite{oriented.qr, oriented.rp, oriented.pq};
-  return surelyPositive(opposite, {p.near_cut, q.near_cut, r.near_cut}, error.near_cut, grid,
-                        oriented.orientation) &&
-         surelyPositive(opposite, {p.far_cut, q.far_cut, r.far_cut}, error.far_cut, grid,
-                        oriented.orientation);
+bool surelyPositive(const std::array<double, 3>& k, double k_error, const GridSize& grid,
+                    const OrientedTriangle& oriented) noexcept {
+  const Combined sum = combine({oriented.qr, oriented.rp, oriented.pq}, k, k_error, grid);
+  const double o = oriented.orientation;
+  const double least =
+      o * sum.c + std::min(o * sum.a, 0.0) * grid.width + std::min(o * sum.b, 0.0) * grid.height;
+  return least > 1.01 * sum.error;
 }
 
 }  // namespace culld

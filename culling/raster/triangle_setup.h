@@ -98,10 +98,9 @@ DepthPlane depthPlane(const CellVertex& p, const CellVertex& q, const CellVertex
                       const CellVertexError& error, const GridSize& grid,
                       const OrientedTriangle& oriented) noexcept;
 
-/// True if neither clip plane cuts anything off the triangle's plane that could be on the image.
-/// REQUIRES: as depthPlane.
-bool surelyUncut(const CellVertex& p, const CellVertex& q, const CellVertex& r,
-                 const CellVertexError& error, const GridSize& grid,
-                 const OrientedTriangle& oriented) noexcept;
+/// A quantity that is linear in space and k_i at vertex i is surely positive on the triangle's
+/// whole plane, as far as it is on the image. REQUIRES: as depthPlane.
+bool surelyPositive(const std::array<double, 3>& k, double k_error, const GridSize& grid,
+                    const OrientedTriangle& oriented) noexcept;
 
 }  // namespace culld
