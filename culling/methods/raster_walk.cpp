@@ -17,6 +17,8 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
 constexpr std::uint64_t kPieceNs = 700, kOutlineBlockNs = 30;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
+// What sending an object costs its client, as the planner prices it: asking may not cost more.
+constexpr std::uint64_t kAnsweredObjectNs = 50'000, kAnsweredTriangleNs = 10;
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
 
@@ -49,7 +51,8 @@ RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh,
       frustum_(camera, bvh),
       view_(cellView(camera, gridFor(camera))),
       box_view_(boxView(view_)),
-      origin_world_(camera.origin_world) {
+      origin_world_(camera.origin_world),
+      still_(camera.motion.still()) {
   memory_.cells.reset(view_.grid);
   memory_.queue.clear();
   memory_.candidates.clear();
@@ -189,7 +192,8 @@ void RasterWalk::keepTheRest(Answer& answer) {
 }
 
 std::chrono::nanoseconds RasterWalk::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_);
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
+                                  asking_ns_);
 }
 
 void RasterWalk::run(Answer& answer) {
@@ -228,13 +232,39 @@ bool RasterWalk::takeNearest() {
 }
 
 void RasterWalk::answerCandidates(Answer& answer) {
+  std::uint32_t asked = 0;
   for (const RasterItem& item : memory_.candidates) {
     if (hidden(item)) {
+      ++stats_.occluded;
+      continue;
+    }
+    if (asked++ % kItemsPerLook == 0 && deadline_.passed()) answer.out_of_budget = true;
+    if (!answer.out_of_budget && hiddenByItsTriangles(item, answer.out_of_budget)) {
       ++stats_.occluded;
     } else {
       answer.visible.push_back(item.ref.objectId());
     }
   }
+}
+
+/// The last rung, for what the rectangle kept. Sets `out_of_budget` once time or work is used up.
+bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget) {
+  const Instance& instance = scene_.instance(item.ref.objectId());
+  const Mesh& mesh = scene_.mesh(instance.mesh);
+  if (mesh.points_and_lines != 0 || !still_) return false;
+  memory_.surfaces.clear();
+  for (const Surface& s : mesh.surfaces) {
+    memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
+  }
+  const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
+                           memory_.surfaces, instance.world_from_mesh, largestOf(mesh),
+                           item.nearest};
+  const std::uint64_t worth_ns = kAnsweredObjectNs + kAnsweredTriangleNs * mesh.triangles.size();
+  const OwnTriangleVerdict verdict =
+      ownTrianglesHidden(object, view_, origin_world_, deadline_, worth_ns, memory_.cells);
+  asking_ns_ += verdict.work_ns;
+  out_of_budget = verdict.out_of_time || (most_work_.count() != 0 && work() >= most_work_);
+  return verdict.hidden;
 }
 
 }  // namespace culld

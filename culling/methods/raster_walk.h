@@ -11,6 +11,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/convex_outline.h"
 #include "culling/raster/depth_cells.h"
+#include "culling/raster/own_triangles.h"
 #include "culling/raster/sheet.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/frustum_walk.h"
@@ -51,6 +52,7 @@ class RasterWalk {
   bool takeNearest();
   void takeObject(const RasterItem& item);
   void answerCandidates(Answer& answer);
+  bool hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget);
   void takeHidden(const RasterItem& item);
   bool worthDrawing(const RasterItem& item) const;
   bool drawObject(const RasterItem& item);
@@ -74,9 +76,11 @@ class RasterWalk {
   CellView view_;
   BoxView box_view_;
   glm::dvec3 origin_world_;
+  bool still_;  ///< no motion bound
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
   std::uint64_t drawing_ns_ = 0;  ///< counted work of all that was drawn, priced
+  std::uint64_t asking_ns_ = 0;   ///< and of the objects asked by their own triangles
 };
 
 }  // namespace culld
