@@ -20,33 +20,33 @@ alignas(64) constexpr float kRow[64] = {
     0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 3, 3, 3, 3, 3,
     4, 4, 4, 4, 4, 4, 4, 4, 5, 5, 5, 5, 5, 5, 5, 5, 6, 6, 6, 6, 6, 6, 6, 6, 7, 7, 7, 7, 7, 7, 7, 7};
 
-HWY_INLINE std::uint64_t BitsOf(Parts d, hn::Mask<Parts> mask) {
+HWY_INLINE std::uint64_t bitsOf(Parts d, hn::Mask<Parts> mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
   return bytes[0] | static_cast<std::uint64_t>(bytes[1]) << 8;
 }
 
-HWY_INLINE hn::Mask<Parts> MaskOf(Parts d, std::uint64_t bits) {
+HWY_INLINE hn::Mask<Parts> maskOf(Parts d, std::uint64_t bits) {
   const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(bits),
                                  static_cast<std::uint8_t>(bits >> 8)};
   return hn::LoadMaskBits(d, bytes);
 }
 
-HWY_INLINE PartsVec ValueAt(Parts d, float a, float b, float c, std::uint32_t part) {
+HWY_INLINE PartsVec valueAt(Parts d, float a, float b, float c, std::uint32_t part) {
   const PartsVec row = hn::Add(hn::Set(d, c), hn::Mul(hn::Set(d, b), hn::Load(d, kRow + part)));
   return hn::Add(hn::Mul(hn::Set(d, a), hn::Load(d, kColumn + part % 8)), row);
 }
 
-void OutlineMasksSimd(const OutlineSquare& square, OutlineMasks& masks) {
+void outlineMasksSimd(const OutlineSquare& square, OutlineMasks& masks) {
   const Parts d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   masks.full = masks.some = ~std::uint64_t{0};
   for (std::uint32_t s = 0; s < square.sides; ++s) {
     std::uint64_t full = 0, some = 0;
     for (std::uint32_t part = 0; part < 64; part += lanes) {
-      const PartsVec value = ValueAt(d, square.a[s], square.b[s], square.c[s], part);
-      full |= BitsOf(d, hn::Ge(value, hn::Set(d, square.full[s]))) << part;
-      some |= BitsOf(d, hn::Ge(value, hn::Set(d, square.some[s]))) << part;
+      const PartsVec value = valueAt(d, square.a[s], square.b[s], square.c[s], part);
+      full |= bitsOf(d, hn::Ge(value, hn::Set(d, square.full[s]))) << part;
+      some |= bitsOf(d, hn::Ge(value, hn::Set(d, square.some[s]))) << part;
     }
     masks.full_of_side[s] = full;
     masks.full &= full;
@@ -54,22 +54,22 @@ void OutlineMasksSimd(const OutlineSquare& square, OutlineMasks& masks) {
   }
 }
 
-std::uint64_t OutlineInsideSimd(const OutlineSquare& square) {
+std::uint64_t outlineInsideSimd(const OutlineSquare& square) {
   const Parts d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   std::uint64_t inside = 0;
   for (std::uint32_t part = 0; part < 64; part += lanes) {
     std::uint64_t bits = (std::uint64_t{1} << lanes) - 1;
     for (std::uint32_t s = 0; s < square.sides; ++s) {
-      const PartsVec value = ValueAt(d, square.a[s], square.b[s], square.c[s], part);
-      bits &= BitsOf(d, hn::Ge(value, hn::Set(d, square.full[s])));
+      const PartsVec value = valueAt(d, square.a[s], square.b[s], square.c[s], part);
+      bits &= bitsOf(d, hn::Ge(value, hn::Set(d, square.full[s])));
     }
     inside |= bits << part;
   }
   return inside;
 }
 
-float RaiseOutlineSimd(const OutlineSquare& square, std::uint64_t covered, float* nearness) {
+float raiseOutlineSimd(const OutlineSquare& square, std::uint64_t covered, float* nearness) {
   const Parts d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   PartsVec least = hn::Set(d, 3.0e38F);
@@ -77,11 +77,11 @@ float RaiseOutlineSimd(const OutlineSquare& square, std::uint64_t covered, float
     PartsVec depth = hn::Set(d, 3.0e38F);
     for (std::uint32_t p = 0; p < square.planes; ++p) {
       depth =
-          hn::Min(depth, ValueAt(d, square.plane_a[p], square.plane_b[p], square.plane_c[p], part));
+          hn::Min(depth, valueAt(d, square.plane_a[p], square.plane_b[p], square.plane_c[p], part));
     }
     depth = hn::Max(depth, hn::Set(d, square.depth_floor));
     const PartsVec old = hn::LoadU(d, nearness + part);
-    const PartsVec raised = hn::IfThenElse(MaskOf(d, covered >> part), hn::Max(old, depth), old);
+    const PartsVec raised = hn::IfThenElse(maskOf(d, covered >> part), hn::Max(old, depth), old);
     hn::StoreU(raised, d, nearness + part);
     least = hn::Min(least, raised);
   }
@@ -95,20 +95,20 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace culld {
 
-HWY_EXPORT(OutlineMasksSimd);
-HWY_EXPORT(OutlineInsideSimd);
-HWY_EXPORT(RaiseOutlineSimd);
+HWY_EXPORT(outlineMasksSimd);
+HWY_EXPORT(outlineInsideSimd);
+HWY_EXPORT(raiseOutlineSimd);
 
 void outlineMasks(const OutlineSquare& square, OutlineMasks& masks) {
-  HWY_DYNAMIC_DISPATCH(OutlineMasksSimd)(square, masks);
+  HWY_DYNAMIC_DISPATCH(outlineMasksSimd)(square, masks);
 }
 
 std::uint64_t outlineInside(const OutlineSquare& square) {
-  return HWY_DYNAMIC_DISPATCH(OutlineInsideSimd)(square);
+  return HWY_DYNAMIC_DISPATCH(outlineInsideSimd)(square);
 }
 
 float raiseOutline(const OutlineSquare& square, std::uint64_t covered, float* nearness) {
-  return HWY_DYNAMIC_DISPATCH(RaiseOutlineSimd)(square, covered, nearness);
+  return HWY_DYNAMIC_DISPATCH(raiseOutlineSimd)(square, covered, nearness);
 }
 
 }  // namespace culld
