@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -179,7 +180,7 @@ void measureFlatLists() {
 }  // namespace
 }  // namespace culld
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace culld;
   std::vector<std::string> files;
   int repeat = 15;
@@ -209,4 +210,7 @@ int main(int argc, char** argv) {
     measure(scene.value(), repeat);
   }
   return 0;
+} catch (const std::exception& failure) {
+  std::fprintf(stderr, "bench_auto: %s\n", failure.what());
+  return 2;
 }

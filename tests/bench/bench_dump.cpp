@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -183,7 +184,7 @@ int run(const std::string& dump_file, const std::string& truth_file, ImageSize i
 }  // namespace
 }  // namespace culld::bench
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   std::string dump, truth;
   culld::ImageSize image;
   int repeat = 21;
@@ -198,4 +199,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", json, "totals only, as one line of JSON");
   CLI11_PARSE(app, argc, argv);
   return culld::bench::run(dump, truth, image, repeat, json);
+} catch (const std::exception& failure) {
+  std::fprintf(stderr, "bench_dump: %s\n", failure.what());
+  return 2;
 }

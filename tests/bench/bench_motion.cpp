@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -89,7 +90,7 @@ Result<void> measure(const std::string& file, const Arguments& arguments) {
 }  // namespace
 }  // namespace culld
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace culld;
   Arguments arguments;
   CLI::App app("what a motion bound costs method raster");
@@ -114,4 +115,7 @@ int main(int argc, char** argv) {
     }
   }
   return 0;
+} catch (const std::exception& failure) {
+  std::fprintf(stderr, "bench_motion: %s\n", failure.what());
+  return 2;
 }

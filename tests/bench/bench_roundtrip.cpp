@@ -10,6 +10,7 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <cstdio>
+#include <exception>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -87,7 +88,7 @@ std::string writeScene(std::uint32_t objects) {
     model.addNode({scenes::kNone, mesh, scenes::movedBy({2.0 * i, 0, 0}), ""});
   }
   const auto bytes = scenes::toGlb(model);
-  const std::string path = "/tmp/bench_roundtrip_" + std::to_string(::getpid()) + ".glb";
+  std::string path = "/tmp/bench_roundtrip_" + std::to_string(::getpid()) + ".glb";
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
@@ -201,7 +202,7 @@ int run(std::uint32_t objects, std::uint32_t rounds, bool json) {
 }  // namespace
 }  // namespace culld
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Round trip of a small answer through culld against a bare WebSocket echo");
   std::uint32_t objects = 200;
   std::uint32_t rounds = 200;
@@ -213,4 +214,7 @@ int main(int argc, char** argv) {
   app.add_flag("--json", json);
   CLI11_PARSE(app, argc, argv);
   return culld::run(objects, rounds, json);
+} catch (const std::exception& failure) {
+  std::fprintf(stderr, "bench_roundtrip: %s\n", failure.what());
+  return 2;
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -187,7 +188,7 @@ int check(const Arguments& arguments) {
 }  // namespace
 }  // namespace culld::bench
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   culld::bench::Arguments arguments;
   CLI::App app{"Holds an answers file against what rays see. Exit code 1: something was missed."};
   app.add_option("scene", arguments.scene, "the scene's .glb or .gltf")->required();
@@ -209,4 +210,6 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   }
   return culld::bench::check(arguments);
+} catch (const std::exception& failure) {
+  return culld::bench::fail(failure.what());
 }

@@ -2,6 +2,7 @@
 // is pushed against what was missed, the excess, the time and the depth slack.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -81,7 +82,7 @@ bool run(const Wanted& wanted) {
 }  // namespace
 }  // namespace culld::cases
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   culld::cases::Wanted wanted;
   wanted.run.repeats = 5;
   CLI::App app(
@@ -99,4 +100,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   return culld::cases::run(wanted) ? 0 : 1;
+} catch (const std::exception& failure) {
+  std::fprintf(stderr, "stability_curves: %s\n", failure.what());
+  return 2;
 }

@@ -2,6 +2,7 @@
 // trying things by hand.
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <exception>
 #include <fstream>
 #include <iostream>
 #include <span>
@@ -88,7 +89,7 @@ int makeTour(const Arguments& arguments) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   Arguments arguments;
   CLI::App app("Writes generated scenes");
   app.require_subcommand(1);
@@ -132,4 +133,7 @@ int main(int argc, char** argv) {
   }
   const culld::scenes::City made = culld::scenes::generateCity(arguments.city);
   return write(arguments, made.model, made.cameras);
+} catch (const std::exception& failure) {
+  std::cerr << "make_scene: " << failure.what() << '\n';
+  return 2;
 }
