@@ -19,6 +19,8 @@ constexpr std::uint64_t kPieceNs = 700, kOutlineBlockNs = 30;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 // What sending an object costs its client, as the planner prices it: asking may not cost more.
 constexpr std::uint64_t kAnsweredObjectNs = 50'000, kAnsweredTriangleNs = 10;
+constexpr std::uint64_t kStakeShare = 16;  ///< of the walk's work: asked in vain before it must pay
+constexpr std::uint32_t kAskOneOf = 32;    ///< where it does not
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
 
@@ -232,14 +234,15 @@ bool RasterWalk::takeNearest() {
 }
 
 void RasterWalk::answerCandidates(Answer& answer) {
-  std::uint32_t asked = 0;
+  const std::uint64_t stake_ns = static_cast<std::uint64_t>(work().count()) / kStakeShare;
+  std::uint32_t looks = 0;
   for (const RasterItem& item : memory_.candidates) {
-    if (hidden(item)) {
-      ++stats_.occluded;
-      continue;
+    bool out = hidden(item);
+    if (!out && still_ && !answer.out_of_budget && askingPays(stake_ns)) {
+      if (looks++ % kItemsPerLook == 0) answer.out_of_budget = deadline_.passed();
+      out = !answer.out_of_budget && hiddenByItsTriangles(item, answer.out_of_budget);
     }
-    if (asked++ % kItemsPerLook == 0 && deadline_.passed()) answer.out_of_budget = true;
-    if (!answer.out_of_budget && hiddenByItsTriangles(item, answer.out_of_budget)) {
+    if (out) {
       ++stats_.occluded;
     } else {
       answer.visible.push_back(item.ref.objectId());
@@ -247,11 +250,17 @@ void RasterWalk::answerCandidates(Answer& answer) {
   }
 }
 
+/// Objects left out pay for those asked in vain, beyond a share of the frame. Where they do not,
+/// few are asked, so that asking is taken up again once it pays.
+bool RasterWalk::askingPays(std::uint64_t stake_ns) {
+  return asking_ns_ < saved_ns_ + stake_ns || ++unasked_ % kAskOneOf == 0;
+}
+
 /// The last rung, for what the rectangle kept. Sets `out_of_budget` once time or work is used up.
 bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget) {
   const Instance& instance = scene_.instance(item.ref.objectId());
   const Mesh& mesh = scene_.mesh(instance.mesh);
-  if (mesh.points_and_lines != 0 || !still_) return false;
+  if (mesh.points_and_lines != 0) return false;
   memory_.surfaces.clear();
   for (const Surface& s : mesh.surfaces) {
     memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
@@ -263,6 +272,7 @@ bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budge
   const OwnTriangleVerdict verdict =
       ownTrianglesHidden(object, view_, origin_world_, deadline_, worth_ns, memory_.cells);
   asking_ns_ += verdict.work_ns;
+  if (verdict.hidden) saved_ns_ += worth_ns;
   out_of_budget = verdict.out_of_time || (most_work_.count() != 0 && work() >= most_work_);
   return verdict.hidden;
 }

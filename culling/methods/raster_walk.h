@@ -52,6 +52,7 @@ class RasterWalk {
   bool takeNearest();
   void takeObject(const RasterItem& item);
   void answerCandidates(Answer& answer);
+  bool askingPays(std::uint64_t stake_ns);
   bool hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget);
   void takeHidden(const RasterItem& item);
   bool worthDrawing(const RasterItem& item) const;
@@ -81,6 +82,8 @@ class RasterWalk {
   std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
   std::uint64_t drawing_ns_ = 0;  ///< counted work of all that was drawn, priced
   std::uint64_t asking_ns_ = 0;   ///< and of the objects asked by their own triangles
+  std::uint64_t saved_ns_ = 0;    ///< what sending those would have cost that were left out so
+  std::uint32_t unasked_ = 0;
 };
 
 }  // namespace culld

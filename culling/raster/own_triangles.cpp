@@ -81,6 +81,13 @@ NearestPlane nearestPlane(const std::array<CellVertex, 3>& p, const CellVertexEr
   return out;
 }
 
+/// The row is positive on the whole object. Its largest coordinates are all that is known of it.
+bool surelyAbove(const ObjectRow& row, double error, const glm::dvec3& largest) {
+  const double reach =
+      std::abs(row.x) * largest.x + std::abs(row.y) * largest.y + std::abs(row.z) * largest.z;
+  return row.constant - 1.01 * reach > error;
+}
+
 class OwnTriangles {
  public:
   OwnTriangles(const SheetObject& object, const CellView& view, const glm::dvec3& origin,
@@ -93,6 +100,9 @@ class OwnTriangles {
     view_.width = grid_.width;
     view_.height = grid_.height;
     view_.perspective = view.perspective;
+    view_.may_be_cut =
+        !surelyAbove(view_.rows.near_cut, view_.rows.error.near_cut, object.largest) ||
+        !surelyAbove(view_.rows.far_cut, view_.rows.error.far_cut, object.largest);
   }
 
   /// False once something may be seen, or the work or the time is used up.
