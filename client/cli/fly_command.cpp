@@ -53,6 +53,7 @@ Result<void> printFrame(std::size_t number, const Frame& frame, const Measured& 
 template <typename Field>
 auto fieldOf(const std::vector<Measured>& all, Field Measured::*field) {
   std::vector<Field> values;
+  values.reserve(all.size());
   for (const Measured& m : all) values.push_back(m.*field);
   return values;
 }

@@ -7,6 +7,7 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <exception>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -126,7 +127,11 @@ LiveSocket::LiveSocket(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 LiveSocket::~LiveSocket() {
   if (!impl_->thread.joinable()) return;
-  asio::post(*impl_->io, [impl = impl_.get()] { impl->close(); });
+  try {
+    asio::post(*impl_->io, [impl = impl_.get()] { impl->close(); });
+  } catch (const std::exception&) {  // out of memory: the server sees the connection break
+    impl_->io->stop();
+  }
   impl_->thread.join();
 }
 

@@ -105,7 +105,7 @@ void Look::sample() {
 
 void Look::aimAtObject(std::uint32_t index, Hits& hits) {
   const RayView::Placed& placed = view_.objects()[index];
-  Random random(options_.seed, kForAiming + 2U * round_, placed.object);
+  Random random(options_.seed, kForAiming + std::uint64_t{2} * round_, placed.object);
   std::uint64_t cast = 0;
   for (std::uint32_t number = 0; number < kAimedRaysPerRound; ++number) {
     for (std::uint32_t draw = 0; draw < kDrawsPerRay; ++draw) {
@@ -122,7 +122,7 @@ void Look::aimAtObject(std::uint32_t index, Hits& hits) {
 
 void Look::aimBesideObject(std::uint32_t index, Hits& hits) {
   const RayView::Placed& placed = view_.objects()[index];
-  Random random(options_.seed, kForBeside + 2U * round_, placed.object);
+  Random random(options_.seed, kForBeside + std::uint64_t{2} * round_, placed.object);
   std::uint64_t cast = 0;
   for (std::uint32_t draw = 0; draw < kDrawsPerRay * kAimedRaysPerRound; ++draw) {
     const auto ray = aimBeside(view_, placed, pixel_ndc_, random);

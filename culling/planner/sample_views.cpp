@@ -23,6 +23,7 @@ Box crowdedPart(const std::vector<Box>& boxes) {
   Box part;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> middles;
+    middles.reserve(boxes.size());
     for (const Box& box : boxes) middles.push_back(middleOf(box)[axis]);
     std::sort(middles.begin(), middles.end());
     const std::size_t last = middles.size() - 1;

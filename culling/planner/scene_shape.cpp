@@ -101,6 +101,7 @@ bool standsInOneHeap(const Box& at, const std::vector<SampledBox>& boxes, double
 
 void measureSizes(const std::vector<SampledBox>& boxes, SceneShape& shape) {
   std::vector<double> sizes;
+  sizes.reserve(boxes.size());
   for (const SampledBox& sampled : boxes) {
     sizes.push_back(glm::length(sampled.box.max - sampled.box.min));
   }

@@ -9,6 +9,7 @@ namespace {
 
 double meanVisible(const std::vector<TruthFigures>& truths, std::size_t TruthFigures::*field) {
   std::vector<double> values;
+  values.reserve(truths.size());
   for (const TruthFigures& truth : truths) values.push_back(static_cast<double>(truth.*field));
   return meanOf(values);
 }

@@ -218,8 +218,9 @@ Result<void> drawGlow(const Canvas& canvas, const FrameToDraw& frame, const Map&
   for (std::uint32_t i = 0; i < pixels.value().size(); ++i) {
     const OraclePixel& pixel = pixels.value()[i];
     if (pixel.object == kNoObject) continue;
-    const double x = (i % camera.width_px + 0.5) / camera.width_px * 2.0 - 1.0;
-    const double y = 1.0 - (i / camera.width_px + 0.5) / camera.height_px * 2.0;
+    const std::uint32_t column = i % camera.width_px, row = i / camera.width_px;
+    const double x = (column + 0.5) / camera.width_px * 2.0 - 1.0;
+    const double y = 1.0 - (row + 0.5) / camera.height_px * 2.0;
     const auto ray = rays.through(x, y);
     if (!ray) continue;
     const glm::dvec3 end = camera.origin_world + ray->origin +

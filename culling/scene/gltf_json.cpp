@@ -168,7 +168,7 @@ struct JsonDocument::Parsed {
   Json json;
 };
 
-JsonDocument::JsonDocument(std::string_view text) : parsed_(std::make_unique<Parsed>()) {
+JsonDocument::JsonDocument(std::string_view text) {
   if (nestingOf(text) > kMaxJsonDepth) {
     fail(ErrorCode::kLimit, "JSON: nested deeper than " + std::to_string(kMaxJsonDepth));
   }
@@ -177,7 +177,7 @@ JsonDocument::JsonDocument(std::string_view text) : parsed_(std::make_unique<Par
     fail("JSON", "a zero byte at byte " + std::to_string(zero));
   }
   try {
-    parsed_->json = Json::parse(text);
+    parsed_ = std::make_unique<Parsed>(Parsed{Json::parse(text)});
   } catch (const Json::exception& e) {
     std::string_view what = e.what();
     if (const auto prefix = what.find("] "); prefix != what.npos) what.remove_prefix(prefix + 2);

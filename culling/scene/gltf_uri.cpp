@@ -85,7 +85,7 @@ OwnedBytes decodeDataUri(std::string_view uri) {
 
 std::string relativePath(std::string_view uri) {
   if (hasScheme(uri)) refuse("URI with a scheme; only data: and relative paths are read");
-  const std::string path = decodePercent(uri);
+  std::string path = decodePercent(uri);
   if (path.empty()) refuse("URI is empty");
   if (path.find('\0') != path.npos) refuse("URI with a NUL character");
   if (path.find('\\') != path.npos) refuse("URI with a backslash");

@@ -42,8 +42,9 @@ Range rangeAlong(const double* m, const Box& box) {
 Box boundsOf(const std::array<double, 12>& world_from_mesh, const Box& bounds_mesh) {
   Box world;
   if (bounds_mesh.empty()) return world;
-  for (int r = 0; r < 3; ++r) {
-    const Range range = rangeAlong(&world_from_mesh[static_cast<std::size_t>(4 * r)], bounds_mesh);
+  const double* row = world_from_mesh.data();
+  for (int r = 0; r < 3; ++r, row += 4) {
+    const Range range = rangeAlong(row, bounds_mesh);
     world.min[r] = range.low;
     world.max[r] = range.high;
   }

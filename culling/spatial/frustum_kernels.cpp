@@ -26,7 +26,7 @@ HWY_INLINE Vec aboveHypot(Tag d, Vec a, Vec b) {
 
 HWY_INLINE Vec turnMargin(Tag d, const float* offsets, const NodePlanes& planes) {
   Vec far[3];
-  for (int axis = 0; axis < 3; ++axis) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vec node = hn::Set(d, planes.eye_to_node[axis]);
     const Vec low = hn::Abs(hn::Add(node, hn::LoadU(d, offsets + axis * 8)));
     const Vec high = hn::Abs(hn::Add(node, hn::LoadU(d, offsets + (axis + 3) * 8)));
@@ -63,7 +63,7 @@ LaneBits testLanesSimd(const float* offsets, const NodePlanes& planes) {
       const NodePlane& plane = planes.plane[p];
       const float* in_rows[3];
       const float* out_rows[3];
-      for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         const bool rises = plane.normal[axis] >= 0.0F;
         in_rows[axis] = at + (rises ? axis + 3 : axis) * 8;
         out_rows[axis] = at + (rises ? axis : axis + 3) * 8;
