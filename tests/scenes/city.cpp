@@ -68,7 +68,7 @@ class CityMaker {
   std::uint32_t districtOf(std::uint32_t i, std::uint32_t j) {
     const std::uint32_t a = i / kDistrictBlocks, b = j / kDistrictBlocks;
     const std::uint32_t across = (columns_ + kDistrictBlocks - 1) / kDistrictBlocks;
-    districts_.resize(std::max<std::size_t>(districts_.size(), (b + 1) * across), kNone);
+    districts_.resize(std::max(districts_.size(), std::size_t{b + 1} * across), kNone);
     std::uint32_t& district = districts_[b * across + a];
     if (district == kNone) {
       district = group(root_, kIdentity, "district " + std::to_string(a) + "-" + std::to_string(b));

@@ -203,7 +203,7 @@ TEST(Oracle, CountsThePixelsOfAnObject) {
   scene.add(wall(), at(-50, 0, -5, 100, 100));  // the left half of the image
   const OracleAnswer answer = look(scene.finish(), kCamera);
   ASSERT_EQ(answer.pixels.size(), 1U);
-  EXPECT_NEAR(answer.pixels[0], 160 * 90 / 2, 20);
+  EXPECT_NEAR(answer.pixels[0], 160 * 90 / 2.0, 20);
 }
 
 TEST(Oracle, CountsThePixelsOfAHugeImageWithAThinnerLattice) {

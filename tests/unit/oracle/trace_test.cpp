@@ -191,13 +191,13 @@ Compared compareScene(const SnapshotPtr& snapshot, const Camera& camera, std::ui
 class TraceTest : public testing::TestWithParam<Place> {
  protected:
   template <typename MakeCamera>
-  void compareMany(MakeCamera makeCamera) {
+  void compareMany(MakeCamera make_camera) {
     const Place& place = GetParam();
     const glm::dvec3 around(place.offset_m, -place.offset_m, 0.5 * place.offset_m);
     std::size_t agreed = 0;
     for (std::uint64_t seed = 1; seed <= 24; ++seed) {
       const Compared result = compareScene(randomScene(seed, around, place.size_m),
-                                           makeCamera(seed, around, place.size_m), seed);
+                                           make_camera(seed, around, place.size_m), seed);
       EXPECT_EQ(result.missed, 0U) << "seed " << seed;
       EXPECT_EQ(result.wrong, 0U) << "seed " << seed;
       agreed += result.agreed;

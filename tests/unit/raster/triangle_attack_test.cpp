@@ -257,7 +257,9 @@ TEST(TriangleAttack, FilledCellsAndSampledPointsAreInsideTheTriangle) {
     const auto t = projectTriangle(attack.p, attack.q, attack.r, attack.error, kGrid, oriented);
     for (const auto& [index, drawn] : drawBlocks(t, 0)) {
       for (std::uint32_t cell = 0; cell < 64; ++cell) {
-        const Quad u = index % kBlocks * 8 + cell % 8, v = index / kBlocks * 8 + cell / 8;
+        const std::uint32_t column = index % kBlocks * 8 + cell % 8;
+        const std::uint32_t row = index / kBlocks * 8 + cell / 8;
+        const Quad u = column, v = row;
         if (drawn.filled >> cell & 1U) {
           ++filled;
           ASSERT_TRUE(attack.holds(u, v) && attack.holds(u + 1, v) && attack.holds(u, v + 1) &&

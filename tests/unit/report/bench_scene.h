@@ -39,7 +39,7 @@ class ScriptedMethod final : public Method {
   ScriptedMethod(std::string name, Guarantee guarantee, Script script)
       : name_(std::move(name)), guarantee_(guarantee), script_(std::move(script)) {}
   /// Always the same.
-  ScriptedMethod(std::string name, Guarantee guarantee, std::vector<ObjectId> ids)
+  ScriptedMethod(std::string name, Guarantee guarantee, const std::vector<ObjectId>& ids)
       : ScriptedMethod(std::move(name), guarantee, [ids, guarantee](const Camera&, const Demand&) {
           Answer answer;
           answer.visible = ids;

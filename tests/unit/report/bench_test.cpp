@@ -172,7 +172,7 @@ TEST_F(Bench, GoesOnWithoutAMethodThatCannotBePrepared) {
 /// Answers of the weaker classes: what may be missing, and what may not.
 class Promise : public Bench {
  protected:
-  std::string breachOf(Answer answer, Guarantee demanded, float hole_px = 1.0F) {
+  std::string breachOf(const Answer& answer, Guarantee demanded, float hole_px = 1.0F) {
     const auto oracle = Oracle::build(scene_.scene);
     const auto truth = oracle.value()->look(scene_.cameras[0], options_.truth);
     Demand demand;

@@ -43,7 +43,8 @@ class Picture {
   int height() const { return cairo_image_surface_get_height(surface_.get()); }
   Pixel at(int x, int y) const {
     const unsigned char* p = cairo_image_surface_get_data(surface_.get()) +
-                             y * cairo_image_surface_get_stride(surface_.get()) + 4 * x;
+                             std::ptrdiff_t{y} * cairo_image_surface_get_stride(surface_.get()) +
+                             std::ptrdiff_t{4} * x;
     return {p[2], p[1], p[0]};
   }
 

@@ -216,7 +216,7 @@ TEST(GltfMeshopt, AppliesTheExponentialFilter) {
 TEST(GltfMeshopt, RefusesStreamsThatDoNotFit) {
   const Packed good = packVertices(kSquare, 12);
   const Packed indices = packTriangles(kTwoTriangles);
-  const auto lineOf = [&](Packed vertices) {
+  const auto lineOf = [&](const Packed& vertices) {
     return errorOf(meshoptFile(vertices, indices).glb());
   };
   Packed noise = good;

@@ -198,7 +198,7 @@ TEST(GltfErrors, RefusesAccessorsThatHoldSomethingElse) {
 }
 
 TEST(GltfErrors, RefusesSparseIndicesThatPointNowhereOrGoBack) {
-  const auto lineOf = [](std::vector<std::uint8_t> targets) {
+  const auto lineOf = [](const std::vector<std::uint8_t>& targets) {
     GltfFile file;
     const std::string count = std::to_string(targets.size());
     const int indices = file.view(targets);
