@@ -143,7 +143,7 @@ bool RasterWalk::drawObject(const RasterItem& item) {
 bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance) {
   const ConvexPieces& pieces = pieces_[instance.mesh];
   const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
-  if (pieces.size() == 0 || wanted == 0 || !view_.motion.still) return false;
+  if (pieces.size() == 0 || wanted == 0) return false;
   const ObjectRows rows = objectRows(view_, instance.world_from_mesh, origin_world_,
                                      largestOf(scene_.mesh(instance.mesh)));
   memory_.outlines.resize(pieces.size());

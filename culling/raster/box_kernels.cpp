@@ -71,11 +71,10 @@ HWY_INLINE hn::Mask<Lanes> InRange(Lanes d, const RangeVec& r) {
   return hn::And(hn::Ge(r.low, hn::Set(d, -kLargest)), hn::Le(r.high, hn::Set(d, kLargest)));
 }
 
-HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high, Vec grow) {
+HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high) {
   const Vec o = hn::Set(d, static_cast<float>(origin));
   const Vec lo = hn::LoadU(d, low), hi = hn::LoadU(d, high);
-  const Vec reach = hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)));
-  return {hn::Sub(hn::Add(o, lo), grow), hn::Add(hn::Add(o, hi), grow), hn::Add(reach, grow)};
+  return {hn::Add(o, lo), hn::Add(o, hi), hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)))};
 }
 
 void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
@@ -84,11 +83,11 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
   out.off_grid = 0;
   const Vec zero = hn::Zero(d), infinity = hn::Set(d, std::numeric_limits<float>::infinity());
   const Vec width = hn::Set(d, view.width), height = hn::Set(d, view.height);
-  const Vec grow = hn::Set(d, view.grow);
+  const Vec beside_limit = hn::Set(d, view.beside), behind = hn::Set(d, -view.behind);
   for (std::size_t first = 0; first < kBoxLanes; first += hn::Lanes(d)) {
-    const AxisVec axis[3] = {LoadAxis(d, origin[0], offsets[0] + first, offsets[3] + first, grow),
-                             LoadAxis(d, origin[1], offsets[1] + first, offsets[4] + first, grow),
-                             LoadAxis(d, origin[2], offsets[2] + first, offsets[5] + first, grow)};
+    const AxisVec axis[3] = {LoadAxis(d, origin[0], offsets[0] + first, offsets[3] + first),
+                             LoadAxis(d, origin[1], offsets[1] + first, offsets[4] + first),
+                             LoadAxis(d, origin[2], offsets[2] + first, offsets[5] + first)};
     const RowVecs u = Evaluate(d, view.u.data(), axis), v = Evaluate(d, view.v.data(), axis);
     const RowVecs w = Evaluate(d, view.w.data(), axis), n = Evaluate(d, view.n.data(), axis);
     Vec w_min = w.corner(0), w_max = w.corner(0), n_max = n.corner(0);
@@ -112,11 +111,16 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
     hn::StoreU(hn::IfThenElse(bounded, x.high, width), d, out.x1.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, y.low, zero), d, out.y0.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, y.high, height), d, out.y1.data() + first);
-    hn::StoreU(hn::IfThenElse(bounded, nearest, infinity), d, out.nearest.data() + first);
+    const auto sticks_x = hn::Or(hn::Lt(x.low, zero), hn::Gt(x.high, width));
+    const auto sticks_y = hn::Or(hn::Lt(y.low, zero), hn::Gt(y.high, height));
+    const auto near = hn::Gt(nearest, beside_limit);
+    const auto kept = hn::And(near, hn::Or(sticks_x, sticks_y));
+    hn::StoreU(hn::IfThenElse(hn::AndNot(kept, bounded), nearest, infinity), d,
+               out.nearest.data() + first);
     const auto beside_x = hn::Or(hn::Lt(x.high, zero), hn::Gt(x.low, width));
     const auto beside_y = hn::Or(hn::Lt(y.high, zero), hn::Gt(y.low, height));
-    const auto beside = hn::And(bounded, hn::Or(beside_x, beside_y));
-    const auto off = hn::Or(beside, hn::Lt(hn::Add(w_max, w.error), zero));
+    const auto beside = hn::AndNot(near, hn::And(bounded, hn::Or(beside_x, beside_y)));
+    const auto off = hn::Or(beside, hn::Lt(hn::Add(w_max, w.error), behind));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, off, bits);
     out.off_grid |= static_cast<std::uint32_t>(bits[0]) << first;
@@ -150,7 +154,8 @@ BoxView boxView(const CellView& view) noexcept {
   box.perspective = view.perspective;
   box.width = static_cast<float>(view.grid.width);
   box.height = static_cast<float>(view.grid.height);
-  box.grow = floatUp(view.grow_m);
+  box.beside = floatDown(view.beside);
+  box.behind = floatUp(view.behind_m);
   return box;
 }
 

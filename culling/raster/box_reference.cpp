@@ -64,8 +64,7 @@ void projectBoxesReference(const BoxView& view, const std::array<double, 3>& ori
     for (std::size_t i = 0; i < 3; ++i) {
       const float o = static_cast<float>(origin[i]);
       const float low = offsets[i][lane], high = offsets[i + 3][lane];
-      axis[i] = {(o + low) - view.grow, (o + high) + view.grow,
-                 (std::abs(o) + (std::abs(low) + std::abs(high))) + view.grow};
+      axis[i] = {o + low, o + high, std::abs(o) + (std::abs(low) + std::abs(high))};
     }
     const RowBounds u = evaluate(view.u, axis), v = evaluate(view.v, axis),
                     w = evaluate(view.w, axis), n = evaluate(view.n, axis);
@@ -87,10 +86,14 @@ void projectBoxesReference(const BoxView& view, const std::array<double, 3>& ori
     out.x1[lane] = bounded ? x.high : view.width;
     out.y0[lane] = bounded ? y.low : 0.0F;
     out.y1[lane] = bounded ? y.high : view.height;
-    out.nearest[lane] = bounded ? nearest : kInfinity;
+    const bool sticks_out =
+        x.low < 0.0F || x.high > view.width || y.low < 0.0F || y.high > view.height;
+    const bool near = nearest > view.beside;
+    out.nearest[lane] = bounded && !(near && sticks_out) ? nearest : kInfinity;
     const bool beside =
-        bounded && (x.high < 0.0F || x.low > view.width || y.high < 0.0F || y.low > view.height);
-    const bool behind = w_max + w.error < 0.0F;
+        bounded && !near &&
+        (x.high < 0.0F || x.low > view.width || y.high < 0.0F || y.low > view.height);
+    const bool behind = w_max + w.error < -view.behind;
     if (beside || behind) out.off_grid |= 1U << lane;
   }
 }

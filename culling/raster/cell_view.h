@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <glm/vec4.hpp>
+#include <limits>
 
 #include "culling/core/camera.h"
 #include "culling/raster/eye_motion.h"
@@ -42,8 +43,11 @@ struct CellView {
   /// Sign of the projected area of a triangle that turns its front (CCW side) to the eye; 0 if the
   /// camera is so flat that this cannot be told, then nothing blocks.
   double front_sign = 1.0;
-  EyeMotion motion;     ///< of what is drawn; an orthographic image does not change with the eye
-  double grow_m = 0.0;  ///< boxes that are looked up reach so much farther
+  EyeMotion motion;  ///< an orthographic image does not change with the eye
+  /// For an eye that moves: what is nearer than this may be on the image from elsewhere though it
+  /// is beside the grid, and what is behind it by less than `behind_m`, too.
+  double beside = std::numeric_limits<double>::infinity();
+  double behind_m = 0.0;
 };
 
 /// GUARANTEES: for a camera with a motion bound the view shows what any of its poses sees, from

@@ -31,10 +31,13 @@ bool orientFaces(const ConvexPiece& piece, const CellVertexError& error, int wan
                      &r = setup.vertices[corner[2]];
     const OrientedTriangle oriented = orientTriangle(p, q, r, error, setup.grid, wanted);
     if (oriented.orientation == 0) continue;
-    const bool near = setup.beyond_near || surelyPositive({p.near_cut, q.near_cut, r.near_cut},
-                                                          error.near_cut, setup.grid, oriented);
-    const bool far = setup.before_far || surelyPositive({p.far_cut, q.far_cut, r.far_cut},
-                                                        error.far_cut, setup.grid, oriented);
+    // What moves may come from beside the image: then only the vertices can tell.
+    const auto uncut = [&](const std::array<double, 3>& k, double k_error) {
+      return error.motion.still && surelyPositive(k, k_error, setup.grid, oriented);
+    };
+    const bool near =
+        setup.beyond_near || uncut({p.near_cut, q.near_cut, r.near_cut}, error.near_cut);
+    const bool far = setup.before_far || uncut({p.far_cut, q.far_cut, r.far_cut}, error.far_cut);
     if (!near || !far) return false;
     setup.front |= std::uint64_t{1} << f;
     ++out.triangles;
@@ -105,10 +108,39 @@ bool addSides(const ConvexPiece& piece, const CellVertexError& error, int wanted
     extent.grow(from, error.w);
     extent.grow(to, error.w);
     if (out.side_count == kMostOutlineSides) return false;
-    const EdgeLine line = left ? lineThrough(from, to, error) : lineThrough(to, from, error);
-    const SideLine side = sideOf(line, setup.grid, wanted);
+    const CellVertex &p = left ? from : to, &q = left ? to : from;
+    const SideLine side = sideOf(p, q, lineThrough(p, q, error), error, setup.grid, wanted);
     if (!side.usable()) return false;
     out.sides[out.side_count++] = side;
+  }
+  return true;
+}
+
+/// A side that holds however all moves: moved inwards by its sway, which counts where it is
+/// positive.
+SideLine swayedInwards(const SideLine& s, const CellRect& cells) {
+  const double x0 = cells.x0 / kBlockSide * kBlockSide, y0 = cells.y0 / kBlockSide * kBlockSide;
+  const double x1 = (cells.x1 / kBlockSide + 1) * kBlockSide;
+  const double y1 = (cells.y1 / kBlockSide + 1) * kBlockSide;
+  const double least =
+      s.sway_c + std::min(s.sway_a * x0, s.sway_a * x1) + std::min(s.sway_b * y0, s.sway_b * y1);
+  const double most =
+      s.sway_c + std::max(s.sway_a * x0, s.sway_a * x1) + std::max(s.sway_b * y0, s.sway_b * y1);
+  const bool everywhere = least >= 0.0;
+  const double a = everywhere ? s.a - s.sway_a : s.a, b = everywhere ? s.b - s.sway_b : s.b;
+  const double c = s.c - (everywhere ? s.sway_c : std::max(most, 0.0));
+  const double length = std::abs(a) + std::abs(b);
+  const double terms = std::abs(s.sway_a) * x1 + std::abs(s.sway_b) * y1 + std::abs(s.sway_c);
+  const double error = s.error + 0x1p-44 * (x1 + y1 + std::abs(s.c) + terms);
+  return {a / length, b / length, c / length, 1.01 * error / length};
+}
+
+/// False: some side decides nothing.
+bool addSway(ConvexOutline& out) {
+  for (std::uint32_t s = 0; s < out.side_count; ++s) {
+    SideLine& side = out.sides[s];
+    side = swayedInwards(side, out.cells);
+    if (!side.usable() || !std::isfinite(side.c)) return false;
   }
   return true;
 }
@@ -257,6 +289,7 @@ OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const
   const bool in_front = extent.largest_w > rows.error.w;
   if (!in_front || out.side_count == 0 || !setCells(extent, grid, out.cells))
     return OutlineVerdict::kNothing;
+  if (!rows.error.motion.still && !addSway(out)) return OutlineVerdict::kNeedSheet;
   const double floor =
       perspective ? 1.0 / (extent.largest_w + rows.error.w) : extent.least_n - rows.error.n;
   out.depth_floor = floor - 0x1p-50 * std::abs(floor);

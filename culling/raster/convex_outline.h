@@ -31,7 +31,6 @@ enum class OutlineVerdict {
 };
 
 /// `wanted`: sign of the projected area of a triangle that turns its front to the eye, +1 or -1.
-/// REQUIRES: an eye that is still.
 OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const CellGrid& grid,
                          bool perspective, int wanted, ConvexOutline& out) noexcept;
 

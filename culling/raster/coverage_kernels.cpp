@@ -66,6 +66,27 @@ void AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
   }
 }
 
+std::uint64_t RimCells(const BlockTriangle& t) {
+  const Row d;
+  const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+  const std::uint64_t lane_bits = (std::uint64_t{1} << lanes) - 1;
+  std::uint64_t cells = 0;
+  for (std::uint32_t first = 0; first < 8; first += lanes) {
+    const RowVec column = hn::Iota(d, static_cast<float>(first));
+    for (std::uint32_t j = 0; j < 8; ++j) {
+      std::uint64_t touched = lane_bits, rim = 0;
+      for (std::uint32_t s = 0; s < t.sides; ++s) {
+        const RowVec row = hn::Set(d, t.c[s] + t.b[s] * static_cast<float>(j));
+        const RowVec value = hn::Add(hn::Mul(hn::Set(d, t.a[s]), column), row);
+        touched &= bitsOf(d, hn::Ge(value, hn::Set(d, t.touch[s])));
+        if (t.net_sides >> s & 1U) rim |= ~bitsOf(d, hn::Ge(value, hn::Set(d, t.inside[s])));
+      }
+      cells |= (rim & touched) << (8 * j + first);
+    }
+  }
+  return cells;
+}
+
 float RaiseCells(std::uint64_t covered, const float* farthest, float* nearness) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
@@ -99,11 +120,16 @@ HWY_AFTER_NAMESPACE();
 namespace culld {
 
 HWY_EXPORT(AddTriangle);
+HWY_EXPORT(RimCells);
 HWY_EXPORT(RaiseCells);
 HWY_EXPORT(CellsNearerThan);
 
 void addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness) {
   HWY_DYNAMIC_DISPATCH(AddTriangle)(triangle, sheet, nearness);
+}
+
+std::uint64_t rimCells(const BlockTriangle& triangle) {
+  return HWY_DYNAMIC_DISPATCH(RimCells)(triangle);
 }
 
 float raiseCells(std::uint64_t covered, const float* farthest, float* nearness) {

@@ -43,6 +43,10 @@ struct SheetBlock {
 void addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness);
 void addTriangleReference(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness);
 
+/// The cells that one of the net sides may touch, as far as the triangle does.
+std::uint64_t rimCells(const BlockTriangle& triangle);
+std::uint64_t rimCellsReference(const BlockTriangle& triangle);
+
 /// Raises the cells of `covered` to the sheet's farthest nearness; returns the block's least
 /// nearness.
 float raiseCells(std::uint64_t covered, const float* farthest, float* nearness);

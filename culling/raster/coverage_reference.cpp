@@ -32,6 +32,21 @@ void addTriangleReference(const BlockTriangle& t, SheetBlock& sheet, float* near
   }
 }
 
+std::uint64_t rimCellsReference(const BlockTriangle& t) {
+  std::uint64_t rim = 0;
+  for (std::uint32_t cell = 0; cell < 64; ++cell) {
+    bool touched = true, on_rim = false;
+    for (std::uint32_t s = 0; s < t.sides; ++s) {
+      const float row = t.c[s] + t.b[s] * static_cast<float>(cell / 8);
+      const float value = t.a[s] * static_cast<float>(cell % 8) + row;
+      touched = touched && value >= t.touch[s];
+      on_rim = on_rim || ((t.net_sides >> s & 1U) != 0 && !(value >= t.inside[s]));
+    }
+    if (touched && on_rim) rim |= std::uint64_t{1} << cell;
+  }
+  return rim;
+}
+
 float raiseCellsReference(std::uint64_t covered, const float* farthest, float* nearness) {
   float least = 3.0e38F;
   for (std::uint32_t cell = 0; cell < 64; ++cell) {

@@ -14,6 +14,7 @@ namespace {
 constexpr double kUp = 1.0 + 1e-9;
 constexpr double kMostWidening = 8.0;    ///< sides of the still grid; wider, nearly all is kept
 constexpr double kMostCells = 2560.0;    ///< on the longer side; beyond, cells grow
+constexpr double kMostMargin = 32.0;     ///< cells; what is carried farther is near and mostly seen
 constexpr double kLeastRadius = 1e-100;  ///< metres; below, products of radii could underflow
 
 /// The part of the image plane that a view must show, in cells of the still grid.
@@ -111,7 +112,7 @@ EyeMotion eyeMotion(const CellView& view, double radius) {
   EyeMotion motion;
   motion.still = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto i = static_cast<glm::dvec3::length_type>(axis);
+    const auto i = static_cast<glm::dvec4::length_type>(axis);
     motion.u[axis] = radius * view.u[i];
     motion.v[axis] = radius * view.v[i];
     motion.w[axis] = radius * view.w[i];
@@ -120,6 +121,28 @@ EyeMotion eyeMotion(const CellView& view, double radius) {
   motion.v_length = kUp * radius * glm::length(glm::dvec3(view.v));
   motion.w_length = kUp * radius * glm::length(glm::dvec3(view.w));
   return motion;
+}
+
+/// What a moved eye sees lies elsewhere on this eye's image, by no more than the returned cells
+/// times its nearness.
+double mostCarried(const CellView& view, double radius) {
+  const glm::dvec3 u(view.u), v(view.v), w(view.w);
+  const double width = view.grid.width, height = view.grid.height;
+  return kUp * radius *
+         std::max({glm::length(u), glm::length(u - width * w), glm::length(v),
+                   glm::length(v - height * w)});
+}
+
+/// Cells all around, for what moved eyes see there.
+void addMargin(CellView& view, double radius) {
+  const double carried = mostCarried(view, radius);
+  const double margin = std::ceil(std::min(carried, kMostMargin));
+  view.u += margin * view.w;
+  view.v += margin * view.w;
+  const auto cells = static_cast<std::uint32_t>(2.0 * margin);
+  view.grid = gridOf(view.grid.width + cells, view.grid.height + cells);
+  view.beside = margin / carried;
+  view.behind_m = radius;
 }
 
 bool setPerspective(CellView& view, double radius, double angle) {
@@ -133,8 +156,10 @@ bool setPerspective(CellView& view, double radius, double angle) {
     moveCut(view.near_cut, radius);
     moveCut(view.far_cut, radius);
   }
-  if (radius > 0.0) view.motion = eyeMotion(view, radius);
-  view.grow_m = radius;
+  if (radius > 0.0) {
+    addMargin(view, radius);
+    view.motion = eyeMotion(view, radius);
+  }
   return true;
 }
 

@@ -113,13 +113,16 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
   const auto& corner = object.triangles[triangle];
   const ProjectedTriangle projected = projectTriangle(
       vertices_[corner[0]], vertices_[corner[1]], vertices_[corner[2]], error_, grid_, oriented);
-  if (!projected.on_grid) return;
+  if (!projected.on_grid && !projected.reaches_grid) return;
   std::uint32_t net_edges = 0;
   for (std::uint32_t e = 0; e < 3; ++e) {
     const std::uint32_t partner = object.partners[3 * triangle + e];
     const bool inner = partner != kNoPartner && orientation_[partner / 3] == oriented.orientation;
     if (!inner) net_edges |= 1U << e;
   }
+  const bool has_rim = net_edges != 0 || projected.side_count > 3;
+  if (projected.reaches_grid && has_rim) rims_.push_back({projected, net_edges});
+  if (!projected.on_grid) return;
   const TriangleBlocks blocks(projected, net_edges);
   for (std::uint32_t y = projected.cell_y0 / kBlockSide; y <= projected.cell_y1 / kBlockSide; ++y) {
     const BlockSpan span = blocks.span(y);
@@ -132,6 +135,24 @@ void SheetRasterizer::drawTriangle(const SheetObject& object, std::uint32_t tria
     }
     for (std::uint32_t x = span.end_filled; x < span.end_touched; ++x) {
       drawBlock(blocks, x, y, object.nearest, cells);
+    }
+  }
+}
+
+/// Where the net edges of a moving sheet may come to. After all triangles: blocks that hold nothing
+/// of the sheet by then need no rim.
+void SheetRasterizer::drawRims(const DepthCells& cells) {
+  for (const Rim& rim : rims_) {
+    const ProjectedTriangle& t = rim.triangle;
+    const TriangleBlocks blocks(t, rim.net_edges);
+    for (std::uint32_t y = t.reach_y0 / kBlockSide; y <= t.reach_y1 / kBlockSide; ++y) {
+      const BlockSpan span = blocks.rimSpan(y);
+      if (!mayGoOn(1 + span.end_touched - std::min(span.first_touched, span.end_touched))) return;
+      for (std::uint32_t x = span.first_touched; x < span.end_touched; ++x) {
+        const std::uint32_t slot = slot_of_block_[cells.grid().blockAt(x, y)];
+        if (slot == kNoSlot || slot == kGivenUp) continue;
+        if (blocks.rimPart(x, y, part_)) blocks_[slot].rim |= rimCells(part_);
+      }
     }
   }
 }
@@ -185,7 +206,9 @@ DrawnSheet SheetRasterizer::draw(const SheetObject& object, const CellView& view
   stopped_ = out_of_time_ = false;
   transform(object, view, camera_origin_world);
   if (!stopped_) orient(object, front_sign);
+  rims_.clear();
   const std::uint32_t drawn = drawTriangles(object, cells);
+  drawRims(cells);
   finish(cells);
   return {drawn, most_work - work_left_, out_of_time_};
 }
@@ -194,7 +217,8 @@ std::size_t SheetRasterizer::bytes() const noexcept {
   return vertices_.capacity() * sizeof(CellVertex) + orientation_.capacity() +
          oriented_.capacity() * sizeof(OrientedTriangle) +
          slot_of_block_.capacity() * sizeof(std::uint32_t) +
-         blocks_.capacity() * sizeof(SheetBlock) + touched_.capacity() * sizeof(std::uint32_t);
+         blocks_.capacity() * sizeof(SheetBlock) + rims_.capacity() * sizeof(Rim) +
+         touched_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace culld

@@ -50,6 +50,12 @@ class SheetRasterizer {
   std::size_t bytes() const noexcept;
 
  private:
+  /// A triangle of a moving sheet with its net edges.
+  struct Rim {
+    ProjectedTriangle triangle;
+    std::uint32_t net_edges;
+  };
+
   bool mayGoOn(std::uint32_t work);
   void transform(const SheetObject& object, const CellView& view, const glm::dvec3& origin);
   void orient(const SheetObject& object, double front_sign);
@@ -63,6 +69,7 @@ class SheetRasterizer {
   std::uint32_t newSlot(std::uint32_t block);
   void forgetTouched() noexcept;
   SheetBlock& sheetBlock(std::uint32_t block);
+  void drawRims(const DepthCells& cells);
   void finish(DepthCells& cells);
 
   const Deadline* deadline_ = nullptr;  ///< of the draw under way
@@ -78,6 +85,7 @@ class SheetRasterizer {
   std::vector<std::uint32_t> touched_;      ///< blocks of this object, in the order of their slots
   std::vector<std::uint32_t> slot_of_block_;
   std::vector<SheetBlock> blocks_;  ///< by slot
+  std::vector<Rim> rims_;           ///< empty if the eye is still
   BlockTriangle part_;
   SheetBlock scrap_;  ///< takes what goes to blocks that were given up
 };

@@ -26,33 +26,31 @@ double atBlock(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y) 
   return s.c + s.a * (kBlockCells * block_x) + s.b * (kBlockCells * block_y);
 }
 
-/// At least the nearness of the triangle in the block, wherever the eye is within its motion.
-/// Convex along a row; 0 if the eye is still, as then nothing depends on it.
-double nearestInBlock(const ProjectedTriangle& t, std::uint32_t block_x, std::uint32_t block_y) {
-  if (!t.moving) return 0.0;
+/// How far a side may move within a block, cells; convex along a row. 0 if it stands still.
+double swayIn(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y) {
   const double corner =
-      t.nearest_c + t.nearest_a * (kBlockCells * block_x) + t.nearest_b * (kBlockCells * block_y);
-  const double most = kBlockCells * (std::max(t.nearest_a, 0.0) + std::max(t.nearest_b, 0.0));
-  return std::max(corner + most, 0.0);
+      s.sway_c + s.sway_a * (kBlockCells * block_x) + s.sway_b * (kBlockCells * block_y);
+  return std::max(corner + kBlockCells * (std::max(s.sway_a, 0.0) + std::max(s.sway_b, 0.0)), 0.0);
 }
 
-/// `nearest`: of the triangle in the block.
-bool blockInside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double nearest) {
+/// `sway`: how far the side may move; the block is inside all the same.
+bool blockInside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double sway) {
   if (!s.usable()) return false;
-  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  const double margin = s.error + kMaskMargin + sway;
   return atBlock(s, block_x, block_y) + lowest(s, kBlockCells) - margin > 0.0;
 }
 
-bool blockBeside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double nearest) {
+/// As blockInside.
+bool blockBeside(const SideLine& s, std::uint32_t block_x, std::uint32_t block_y, double sway) {
   if (!s.usable()) return false;
-  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  const double margin = s.error + kMaskMargin + sway;
   return atBlock(s, block_x, block_y) + highest(s, kBlockCells) + margin < 0.0;
 }
 
 bool filled(const ProjectedTriangle& t, std::uint32_t block_x, std::uint32_t block_y) {
-  const double nearest = nearestInBlock(t, block_x, block_y);
   for (std::uint32_t s = 0; s < t.side_count; ++s) {
-    if (!blockInside(t.sides[s], block_x, block_y, nearest)) return false;
+    const double sway = t.moving ? swayIn(t.sides[s], block_x, block_y) : 0.0;
+    if (!blockInside(t.sides[s], block_x, block_y, sway)) return false;
   }
   return true;
 }
@@ -68,21 +66,20 @@ std::uint32_t clampBlock(double x, std::uint32_t low, std::uint32_t high) {
 }
 
 /// Narrows [first, end) to where side `s` may be touched; a block more on each side is harmless.
-/// `nearest`: of the triangle in the row.
-void narrowTouched(const SideLine& s, std::uint32_t block_y, double nearest, std::uint32_t& first,
+/// `sway`: as in blockBeside.
+void narrowTouched(const SideLine& s, std::uint32_t block_y, double sway, std::uint32_t& first,
                    std::uint32_t& end) {
   if (!s.usable() || s.a == 0.0) return;
-  const double margin = s.error + kMaskMargin + s.sway * nearest;
+  const double margin = s.error + kMaskMargin + sway;
   const double x = crossing(s, block_y, highest(s, kBlockCells) + margin);
   if (s.a > 0.0) first = std::max(first, clampBlock(x - 1.0, first, end));
   if (s.a < 0.0) end = std::min(end, clampBlock(x + 2.0, first, end));
 }
 
-/// The side moved inwards by its sway, as if nearness were its plane everywhere in a block's reach.
-SideLine swayedInwards(const SideLine& s, const ProjectedTriangle& t) {
-  const double most = kBlockCells * (std::max(t.nearest_a, 0.0) + std::max(t.nearest_b, 0.0));
-  return {s.a - s.sway * t.nearest_a, s.b - s.sway * t.nearest_b,
-          s.c - s.sway * (t.nearest_c + most), s.error, 0.0};
+/// The side moved inwards by its sway, as if that were linear everywhere.
+SideLine swayedInwards(const SideLine& s) {
+  const double most = kBlockCells * (std::max(s.sway_a, 0.0) + std::max(s.sway_b, 0.0));
+  return {s.a - s.sway_a, s.b - s.sway_b, s.c - (s.sway_c + most), s.error};
 }
 
 /// Narrows [first, end) to about where side `s` leaves blocks inside.
@@ -97,16 +94,12 @@ void narrowFilled(const SideLine& s, std::uint32_t block_y, std::uint32_t& first
   if (s.a < 0.0) end = std::min(end, clampBlock(std::ceil(x), first, end));
 }
 
-/// Moves the thresholds of side `k` apart by how far it may move within the block.
-void sway(const SideLine& s, double nearest, BlockTriangle& out, std::uint32_t k) {
-  if (!s.usable()) return;
-  const double margin = s.error + kMaskMargin, cells = s.sway * nearest;
-  if (cells <= kMostSway) {
-    out.inside[k] = floatUp(margin + cells - lowest(s, 1.0));
-    out.touch[k] = floatDown(-margin - cells - highest(s, 1.0));
-  } else {  // the sample point alone is decided, and that by a value which float can hold
+/// Side `k` is to hold cells however it moves.
+void addSway(double sway, BlockTriangle& out, std::uint32_t k) {
+  if (sway <= kMostSway) {
+    out.inside[k] += static_cast<float>(sway);  // kMaskMargin covers the rounding
+  } else {  // no cell is inside, and of the value only the sign matters
     out.inside[k] = std::numeric_limits<float>::max();
-    out.touch[k] = std::numeric_limits<float>::lowest();
     out.c[k] = std::clamp(out.c[k], -64.0F, 64.0F);
   }
 }
@@ -139,15 +132,13 @@ BlockSpan TriangleBlocks::span(std::uint32_t block_y) const noexcept {
   BlockSpan span;
   span.first_touched = t.cell_x0 / kBlockSide;
   span.end_touched = t.cell_x1 / kBlockSide + 1;
-  const double nearest = std::max(nearestInBlock(t, span.first_touched, block_y),
-                                  nearestInBlock(t, span.end_touched - 1, block_y));
   for (std::uint32_t s = 0; s < t.side_count; ++s) {
-    narrowTouched(t.sides[s], block_y, nearest, span.first_touched, span.end_touched);
+    narrowTouched(t.sides[s], block_y, 0.0, span.first_touched, span.end_touched);
   }
   std::uint32_t first = span.first_touched, end = span.end_touched;
   for (std::uint32_t s = 0; s < t.side_count && first < end; ++s) {
     if (!t.sides[s].usable()) end = first;
-    narrowFilled(t.moving ? swayedInwards(t.sides[s], t) : t.sides[s], block_y, first, end);
+    narrowFilled(t.moving ? swayedInwards(t.sides[s]) : t.sides[s], block_y, first, end);
   }
   // Each side is linear along the row, less a convex sway: if both ends are inside, so is
   // everything between.
@@ -180,11 +171,11 @@ bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
                           BlockTriangle& out) const noexcept {
   out.sides = 0;
   out.net_sides = 0;
-  const double nearest = nearestInBlock(triangle_, block_x, block_y);
   for (std::uint32_t s = 0; s < triangle_.side_count; ++s) {
     const SideLine& side = triangle_.sides[s];
-    if (blockBeside(side, block_x, block_y, nearest)) return false;
-    if (blockInside(side, block_x, block_y, nearest)) continue;
+    const double sway = triangle_.moving ? swayIn(side, block_x, block_y) : 0.0;
+    if (blockBeside(side, block_x, block_y, 0.0)) return false;
+    if (blockInside(side, block_x, block_y, sway)) continue;
     const std::uint32_t k = out.sides++;
     const Masks& m = masks_[s];
     out.a[k] = m.a;
@@ -194,7 +185,7 @@ bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
     out.touch[k] = m.touch;
     out.sample[k] = m.sample;
     if (m.net) out.net_sides |= 1U << k;
-    if (triangle_.moving) sway(side, nearest, out, k);
+    if (triangle_.moving) addSway(sway, out, k);
   }
   const double a = triangle_.depth_a, b = triangle_.depth_b;
   const double c = triangle_.depth_c + a * (kBlockCells * block_x) + b * (kBlockCells * block_y) +
@@ -207,6 +198,42 @@ bool TriangleBlocks::part(std::uint32_t block_x, std::uint32_t block_y,
   out.depth_b = in_range ? static_cast<float>(b) : 0.0F;
   out.depth_c = in_range ? static_cast<float>(c - slack) : depth_floor_;
   return true;
+}
+
+BlockSpan TriangleBlocks::rimSpan(std::uint32_t block_y) const noexcept {
+  const ProjectedTriangle& t = triangle_;
+  BlockSpan span;
+  span.first_touched = t.reach_x0 / kBlockSide;
+  span.end_touched = t.reach_x1 / kBlockSide + 1;
+  for (std::uint32_t s = 0; s < t.side_count; ++s) {
+    const double sway = std::max(swayIn(t.sides[s], t.reach_x0 / kBlockSide, block_y),
+                                 swayIn(t.sides[s], t.reach_x1 / kBlockSide, block_y));
+    narrowTouched(t.sides[s], block_y, sway, span.first_touched, span.end_touched);
+  }
+  return span;
+}
+
+bool TriangleBlocks::rimPart(std::uint32_t block_x, std::uint32_t block_y,
+                             BlockTriangle& out) const noexcept {
+  out.sides = 0;
+  out.net_sides = 0;
+  for (std::uint32_t s = 0; s < triangle_.side_count; ++s) {
+    const SideLine& side = triangle_.sides[s];
+    const double sway = swayIn(side, block_x, block_y);
+    if (blockBeside(side, block_x, block_y, sway)) return false;
+    if (blockInside(side, block_x, block_y, sway)) continue;
+    const std::uint32_t k = out.sides++;
+    const Masks& m = masks_[s];
+    const bool decided = side.usable() && sway <= kMostSway;
+    const float cells = decided ? static_cast<float>(sway) : 0.0F;
+    out.a[k] = decided ? m.a : 0.0F;
+    out.b[k] = decided ? m.b : 0.0F;
+    out.c[k] = decided ? static_cast<float>(atBlock(side, block_x, block_y)) : 0.0F;
+    out.inside[k] = decided ? m.inside + cells : 1.0F;
+    out.touch[k] = decided ? m.touch - cells : -1.0F;
+    if (m.net) out.net_sides |= 1U << k;
+  }
+  return out.net_sides != 0;
 }
 
 }  // namespace culld

@@ -22,8 +22,8 @@ class TriangleBlocks {
   TriangleBlocks(const ProjectedTriangle& triangle, std::uint32_t net_edges) noexcept;
 
   /// REQUIRES: block_y within the triangle's cells. GUARANTEES: blocks outside `touched` are surely
-  /// not touched, blocks inside `filled` surely lie in the triangle; wherever the eye is within its
-  /// motion.
+  /// not touched by the triangle as it stands, blocks inside `filled` surely lie in it however it
+  /// moves.
   BlockSpan span(std::uint32_t block_y) const noexcept;
 
   /// Nearness of the triangle's farthest point over the block, rounded farther.
@@ -31,8 +31,15 @@ class TriangleBlocks {
   /// What masks of this block will write is at most this near.
   float nearest(std::uint32_t block_x, std::uint32_t block_y) const noexcept;
 
-  /// The triangle within one block. False: it surely touches no cell of the block.
+  /// The triangle within one block: inside is what stays inside however it moves, all else is as it
+  /// stands. False: it surely touches no cell of the block.
   bool part(std::uint32_t block_x, std::uint32_t block_y, BlockTriangle& out) const noexcept;
+
+  /// For a triangle that moves. REQUIRES: block_y within what it reaches. `touched` only: a net
+  /// edge surely comes to no other block.
+  BlockSpan rimSpan(std::uint32_t block_y) const noexcept;
+  /// Sides for rimCells(). False: no net edge comes to the block.
+  bool rimPart(std::uint32_t block_x, std::uint32_t block_y, BlockTriangle& out) const noexcept;
 
  private:
   /// A side's line and thresholds in float, the same for all blocks.

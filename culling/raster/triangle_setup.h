@@ -23,12 +23,11 @@ struct CellVertexError {
 };
 
 /// One half-plane a * u + b * v + c >= 0 of the image, scaled to |a| + |b| = 1.
-/// True value - computed value is within +- error (cells) everywhere on the grid. Where the eye
-/// moves, the triangle's side comes no nearer to a point (u, v) with value > error + sway *
-/// max(nearest plane, 0) there, whatever its sign.
+/// True value - computed value is within +- error (cells) everywhere on the grid. If all moves, the
+/// side still does not reach a place whose value's size is > error + max(sway, 0) there.
 struct SideLine {
   double a, b, c, error;
-  double sway = 0.0;  ///< cells per nearness; 0 if the eye is still
+  double sway_a = 0.0, sway_b = 0.0, sway_c = 0.0;       ///< cells; all 0 if nothing moves
   bool usable() const noexcept { return error <= 0.5; }  ///< worse, and it decides nothing
 };
 
@@ -41,12 +40,12 @@ struct ProjectedTriangle {
   std::uint32_t side_count = 3;
   double depth_a = 0, depth_b = 0, depth_c = 0;  ///< nearness is never less than this plane
   double depth_floor = 0;                        ///< nor than this
-  bool moving = false;                           ///< with the eye
-  /// If moving: nearness is never more than this plane, wherever the eye is.
-  double nearest_a = 0, nearest_b = 0, nearest_c = 0;
   /// Cells that the triangle may touch, clamped to the grid; the whole grid if it nears the eye.
   std::uint32_t cell_x0 = 0, cell_x1 = 0, cell_y0 = 0, cell_y1 = 0;
   bool on_grid = false;
+  bool moving = false;  ///< then it may also be in these cells
+  std::uint32_t reach_x0 = 0, reach_x1 = 0, reach_y0 = 0, reach_y1 = 0;
+  bool reaches_grid = false;
 };
 
 struct GridSize {
@@ -62,14 +61,10 @@ struct EdgeLine {
 
 EdgeLine lineThrough(const CellVertex& p, const CellVertex& q,
                      const CellVertexError& error) noexcept;
-/// The line as a half-plane, positive on the left of p -> q, or for orientation -1 on its right.
-SideLine sideOf(const EdgeLine& line, const GridSize& grid, int orientation) noexcept;
-
-/// Nearness a * u + b * v + c over the image, if known.
-struct DepthPlane {
-  double a = 0, b = 0, c = 0;
-  bool known = false;
-};
+/// The line through p and q as a half-plane, positive on the left of p -> q, or for orientation -1
+/// on its right.
+SideLine sideOf(const CellVertex& p, const CellVertex& q, const EdgeLine& line,
+                const CellVertexError& error, const GridSize& grid, int orientation) noexcept;
 
 /// Which way a triangle turns on the image, and what tells it: the same lines and determinant make
 /// the half-planes and the depth of those that are drawn.
@@ -78,7 +73,7 @@ struct OrientedTriangle {
   /// not asked for, or the numbers are out of range. The lines are valid only where it is not 0.
   int orientation = 0;
   EdgeLine pq, qr, rp;
-  double determinant, determinant_error;  ///< the error includes what motion changes
+  double determinant, determinant_error;
 };
 
 /// `wanted`: the only orientation asked for, +1 or -1; 0: both. COST: about 40 flops, 100 for a
@@ -92,8 +87,14 @@ ProjectedTriangle projectTriangle(const CellVertex& p, const CellVertex& q, cons
                                   const CellVertexError& error, const GridSize& grid,
                                   const OrientedTriangle& oriented) noexcept;
 
+/// Nearness a * u + b * v + c over the image, if known.
+struct DepthPlane {
+  double a = 0, b = 0, c = 0;
+  bool known = false;
+};
+
 /// A plane that the nearness of the triangle's plane falls below nowhere on the grid.
-/// REQUIRES: as projectTriangle, an eye that is still.
+/// REQUIRES: as projectTriangle.
 DepthPlane depthPlane(const CellVertex& p, const CellVertex& q, const CellVertex& r,
                       const CellVertexError& error, const GridSize& grid,
                       const OrientedTriangle& oriented) noexcept;
