@@ -2,11 +2,9 @@
 
 #include <memory>
 #include <utility>
-#include <vector>
 
-#include "culling/core/parallel.h"
 #include "culling/methods/raster_walk.h"
-#include "culling/occluders/convex_pieces.h"
+#include "culling/occluders/occluder_set.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
@@ -14,28 +12,19 @@
 namespace culld {
 namespace {
 
-/// Convex pieces of each mesh of a scene; edits do not change meshes.
-using SharedPieces = std::shared_ptr<const std::vector<ConvexPieces>>;
-
-SharedPieces piecesOf(const SceneSnapshot& scene) {
-  auto pieces = std::make_shared<std::vector<ConvexPieces>>(scene.meshCount());
-  parallelFor(scene.meshCount(), [&](std::size_t i) {
-    (*pieces)[i] = ConvexPieces::of(scene.mesh(static_cast<MeshId>(i)));
-  });
-  return pieces;
-}
+using SharedOccluders = std::shared_ptr<const OccluderSet>;
 
 class RasterCuller final : public Culler, public HoldsBoxes {
  public:
-  RasterCuller(PreparedBoxes boxes, SharedPieces pieces, const Clock& clock)
-      : boxes_(std::move(boxes)), pieces_(std::move(pieces)), clock_(clock) {}
+  RasterCuller(PreparedBoxes boxes, SharedOccluders occluders, const Clock& clock)
+      : boxes_(std::move(boxes)), occluders_(std::move(occluders)), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
     const auto start = clock_.now();
     const Deadline deadline(clock_, start, demand.time);
     Answer answer;
     if (holdsInMotion(camera)) {
-      RasterWalk(*boxes_.scene(), boxes_.bvh(), *pieces_, camera, deadline, demand.work,
+      RasterWalk(*boxes_.scene(), boxes_.bvh(), *occluders_, camera, deadline, demand.work,
                  view.memory<RasterMemory>())
           .run(answer);
     } else {
@@ -53,21 +42,19 @@ class RasterCuller final : public Culler, public HoldsBoxes {
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                          std::span<const ObjectId> changed) const override {
-    return around(boxes_.edited(std::move(next), changed), pieces_, clock_);
+    return around(boxes_.edited(std::move(next), changed), occluders_, clock_);
   }
 
   std::size_t preparedBytes() const noexcept override {
-    std::size_t bytes = boxes_.bytes();
-    for (const ConvexPieces& pieces : *pieces_) bytes += sizeof(pieces) + pieces.bytes();
-    return bytes;
+    return boxes_.bytes() + occluders_->bytes();
   }
   const PreparedBoxes& boxes() const noexcept override { return boxes_; }
 
-  static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes, SharedPieces pieces,
-                                                const Clock& clock) {
+  static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
+                                                SharedOccluders occluders, const Clock& clock) {
     if (!boxes) return std::move(boxes).error();
     return std::unique_ptr<Culler>(
-        std::make_unique<RasterCuller>(std::move(boxes).value(), std::move(pieces), clock));
+        std::make_unique<RasterCuller>(std::move(boxes).value(), std::move(occluders), clock));
   }
 
  private:
@@ -88,7 +75,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
   }
 
   PreparedBoxes boxes_;
-  SharedPieces pieces_;
+  SharedOccluders occluders_;
   const Clock& clock_;
 };
 
@@ -99,14 +86,15 @@ class RasterMethod final : public Method {
   }
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
-    SharedPieces pieces = piecesOf(*scene);
-    return RasterCuller::around(PreparedBoxes::of(std::move(scene)), std::move(pieces), clock);
+    auto occluders = std::make_shared<const OccluderSet>(OccluderSet::of(*scene));
+    return RasterCuller::around(PreparedBoxes::of(std::move(scene)), std::move(occluders), clock);
   }
   Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
                                                 const Clock& clock) const override {
     const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
     if (lender == nullptr) return prepare(std::move(scene), clock);
-    return RasterCuller::around(lender->boxes(), piecesOf(*scene), clock);
+    auto occluders = std::make_shared<const OccluderSet>(OccluderSet::of(*scene));
+    return RasterCuller::around(lender->boxes(), std::move(occluders), clock);
   }
 };
 

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 
+#include "culling/core/prefetch.h"
+
 namespace culld {
 namespace {
 
@@ -33,6 +35,10 @@ glm::dvec3 largestOf(const Mesh& mesh) {
   return glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
 }
 
+bool largeEnough(const CellRect& rect) {
+  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
+}
+
 CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid) {
   return {clampCell(rects.x0[lane], grid.width), clampCell(rects.x1[lane], grid.width),
           clampCell(rects.y0[lane], grid.height), clampCell(rects.y1[lane], grid.height)};
@@ -40,13 +46,12 @@ CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid)
 
 }  // namespace
 
-RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh,
-                       std::span<const ConvexPieces> pieces, const Camera& camera,
-                       const Deadline& deadline, std::chrono::nanoseconds most_work,
-                       RasterMemory& memory)
+RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const OccluderSet& occluders,
+                       const Camera& camera, const Deadline& deadline,
+                       std::chrono::nanoseconds most_work, RasterMemory& memory)
     : scene_(scene),
       bvh_(bvh),
-      pieces_(pieces),
+      occluders_(occluders),
       deadline_(deadline),
       most_work_(most_work),
       memory_(memory),
@@ -90,13 +95,16 @@ void RasterWalk::visitNode(const RasterItem& item) {
       if (child.isObject()) ++stats_.outside;
       continue;
     }
-    const RasterItem below{cellRect(rects, lane, view_.grid), rects.nearest[lane], child,
-                           verdicts.planesLeft(lane)};
+    RasterItem below{cellRect(rects, lane, view_.grid), rects.nearest[lane], child, 0};
     if (child.isObject()) {
-      takeObject(below);
-    } else if (hidden(below)) {
+      takeObject(below, (node.blocking >> lane & 1U) != 0);
+      continue;
+    }
+    below.planes = verdicts.planesLeft(lane);
+    if (hidden(below)) {
       takeHidden(below);
     } else {
+      prefetch(bvh_.node(child.nodeIndex()));
       push(below);
     }
   }
@@ -111,46 +119,45 @@ void RasterWalk::takeHidden(const RasterItem& item) {
   }
 }
 
-void RasterWalk::takeObject(const RasterItem& item) {
+void RasterWalk::takeObject(const RasterItem& item, bool blocking) {
   ++in_frustum_;
   if (hidden(item)) {
     takeHidden(item);
-  } else if (worthDrawing(item)) {
+  } else if (blocking && largeEnough(item.rect)) {
+    prefetch(scene_.instance(item.ref.objectId()));
     push(item);
   } else {
     memory_.candidates.push_back(item);
   }
 }
 
-bool RasterWalk::worthDrawing(const RasterItem& item) const {
-  const std::uint64_t width = item.rect.x1 - item.rect.x0 + 1;
-  const std::uint64_t height = item.rect.y1 - item.rect.y0 + 1;
-  if (width < kLeastOccluderSide || height < kLeastOccluderSide) return false;
-  const std::uint64_t cells = width * height;
-  const Mesh& mesh = scene_.mesh(scene_.instance(item.ref.objectId()).mesh);
-  if (mesh.positions.size() > kVerticesPerCell * cells) return false;
-  return mesh.blocking_triangles != 0 && mesh.blocking_triangles <= kTrianglesPerCell * cells;
+bool RasterWalk::worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const {
+  const std::uint64_t cells = std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
+  return mesh.vertices <= kVerticesPerCell * cells &&
+         mesh.blocking_triangles <= kTrianglesPerCell * cells;
 }
 
 /// False if time ran out on the way: it is checked while a sheet is drawn.
 bool RasterWalk::drawObject(const RasterItem& item) {
   const Instance& instance = scene_.instance(item.ref.objectId());
+  if (!worthDrawing(item.rect, occluders_.mesh(instance.mesh))) return true;
   ++stats_.occluders_drawn;
   return drawPieces(item, instance) || drawSheet(item, instance);
 }
 
 /// False: not all of it is convex pieces that can be drawn as such.
 bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance) {
-  const ConvexPieces& pieces = pieces_[instance.mesh];
+  const OccluderMesh& mesh = occluders_.mesh(instance.mesh);
   const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
-  if (pieces.size() == 0 || wanted == 0) return false;
-  const ObjectRows rows = objectRows(view_, instance.world_from_mesh, origin_world_,
-                                     largestOf(scene_.mesh(instance.mesh)));
-  memory_.outlines.resize(pieces.size());
+  if (mesh.piece_count == 0 || wanted == 0) return false;
+  const ObjectRows rows =
+      objectRows(view_, instance.world_from_mesh, origin_world_, glm::dvec3(mesh.largest));
+  memory_.outlines.resize(mesh.piece_count);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < pieces.size(); ++i) {
+  for (std::uint32_t i = 0; i < mesh.piece_count; ++i) {
     const OutlineVerdict verdict =
-        outlineOf(pieces[i], rows, view_.grid, view_.perspective, wanted, memory_.outlines[count]);
+        outlineOf(occluders_.piece(mesh.first_piece + i), rows, view_.grid, view_.perspective,
+                  wanted, memory_.outlines[count]);
     if (verdict == OutlineVerdict::kNeedSheet) return false;
     if (verdict == OutlineVerdict::kDraw) ++count;
   }

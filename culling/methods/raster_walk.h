@@ -2,11 +2,10 @@
 // that are worth it drawn as occluders, and everything not hidden tested once more at the end.
 #pragma once
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "culling/culler.h"
-#include "culling/occluders/convex_pieces.h"
+#include "culling/occluders/occluder_set.h"
 #include "culling/raster/box_kernels.h"
 #include "culling/raster/cell_view.h"
 #include "culling/raster/convex_outline.h"
@@ -39,8 +38,7 @@ struct RasterMemory final : ViewState::Memory {
 
 class RasterWalk {
  public:
-  /// `pieces`: of each mesh of the scene.
-  RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, std::span<const ConvexPieces> pieces,
+  RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const OccluderSet& occluders,
              const Camera& camera, const Deadline& deadline, std::chrono::nanoseconds most_work,
              RasterMemory& memory);
 
@@ -50,12 +48,12 @@ class RasterWalk {
  private:
   void visitNode(const RasterItem& item);
   bool takeNearest();
-  void takeObject(const RasterItem& item);
+  void takeObject(const RasterItem& item, bool blocking);
   void answerCandidates(Answer& answer);
   bool askingPays(std::uint64_t stake_ns);
   bool hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget);
   void takeHidden(const RasterItem& item);
-  bool worthDrawing(const RasterItem& item) const;
+  bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const;
   bool drawObject(const RasterItem& item);
   bool drawPieces(const RasterItem& item, const Instance& instance);
   bool drawSheet(const RasterItem& item, const Instance& instance);
@@ -69,7 +67,7 @@ class RasterWalk {
 
   const SceneSnapshot& scene_;
   const WideBvh& bvh_;
-  std::span<const ConvexPieces> pieces_;
+  const OccluderSet& occluders_;
   const Deadline& deadline_;
   std::chrono::nanoseconds most_work_;  ///< 0: no limit
   RasterMemory& memory_;

@@ -1,18 +1,15 @@
 #include "culling/raster/convex_outline.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
-#include "culling/raster/coverage_kernels.h"
 #include "culling/raster/rounding.h"
 
 namespace culld {
 namespace {
 
 constexpr std::size_t kMostVertices = 32, kMostFaces = 60;
-constexpr double kParts = 8.0;  ///< of a square and axis
 
 /// What a piece is on its way to an outline.
 struct Setup {
@@ -119,9 +116,9 @@ bool addSides(const ConvexPiece& piece, const CellVertexError& error, int wanted
 /// A side that holds however all moves: moved inwards by its sway, which counts where it is
 /// positive.
 SideLine swayedInwards(const SideLine& s, const CellRect& cells) {
-  const double x0 = cells.x0 / kBlockSide * kBlockSide, y0 = cells.y0 / kBlockSide * kBlockSide;
-  const double x1 = (cells.x1 / kBlockSide + 1) * kBlockSide;
-  const double y1 = (cells.y1 / kBlockSide + 1) * kBlockSide;
+  const double x0 = cells.x0 - cells.x0 % kBlockSide, y0 = cells.y0 - cells.y0 % kBlockSide;
+  const double x1 = cells.x1 - cells.x1 % kBlockSide + kBlockSide;
+  const double y1 = cells.y1 - cells.y1 % kBlockSide + kBlockSide;
   const double least =
       s.sway_c + std::min(s.sway_a * x0, s.sway_a * x1) + std::min(s.sway_b * y0, s.sway_b * y1);
   const double most =
@@ -144,127 +141,6 @@ bool addSway(ConvexOutline& out) {
   }
   return true;
 }
-
-double low(const SideLine& s) { return std::min(s.a, 0.0) + std::min(s.b, 0.0); }
-double high(const SideLine& s) { return std::max(s.a, 0.0) + std::max(s.b, 0.0); }
-
-/// What a side's value may lose on its way through float, and its own error (§4.6).
-double marginAt(const SideLine& s, double value) {
-  return s.error + 0x1p-20 * (std::abs(value) + 128.0);
-}
-
-/// One plane of `square`, whose parts are `cells` cells wide and whose first lies at (x, y).
-void addPlane(OutlineSquare& square, const DepthPlane& plane, double x, double y, double cells) {
-  const double corner = plane.c + plane.a * x + plane.b * y;
-  const double a = cells * plane.a, b = cells * plane.b;
-  const double terms = std::abs(corner) + kParts * (std::abs(a) + std::abs(b));
-  const double slack = 0x1p-20 * terms + 1e-37;
-  const bool in_range = terms < 1e37;
-  const std::uint32_t p = square.planes++;
-  square.plane_a[p] = in_range ? static_cast<float>(a) : 0.0F;
-  square.plane_b[p] = in_range ? static_cast<float>(b) : 0.0F;
-  square.plane_c[p] = in_range
-                          ? static_cast<float>(corner + std::min(a, 0.0) + std::min(b, 0.0) - slack)
-                          : square.depth_floor;
-}
-
-void addPlanes(OutlineSquare& square, const ConvexOutline& outline, double x, double y,
-               double cells) {
-  square.planes = 0;
-  square.depth_floor = floatDown(outline.depth_floor);
-  for (std::uint32_t p = 0; p < outline.plane_count; ++p) {
-    addPlane(square, outline.planes[p], x, y, cells);
-  }
-  if (square.planes != 0) return;
-  square.planes = 1;  // none is known: the floor
-  square.plane_a[0] = square.plane_b[0] = 0.0F;
-  square.plane_c[0] = square.depth_floor;
-}
-
-/// Draws one outline tile by tile.
-class OutlineDrawing {
- public:
-  OutlineDrawing(const ConvexOutline& outline, float nearest, DepthCells& cells)
-      : outline_(outline), nearest_(nearest), cells_(cells) {}
-
-  void drawTile(std::uint32_t tile_x, std::uint32_t tile_y) {
-    const double x = 64.0 * tile_x, y = 64.0 * tile_y;
-    ++blocks_;
-    if (!setTileSides(x, y)) return;
-    float* least = cells_.leastOfTile(tile_y * cells_.grid().tiles_x + tile_x);
-    // Blocks of the outline's cells that something of it could still raise.
-    const std::uint64_t wanted =
-        blocksOf(tile_x, tile_y) & ~cellsNearerThan(least, std::nextafterf(nearest_, 0.0F));
-    if (wanted == 0) return;
-    outlineMasks(tile_, masks_);
-    const std::uint64_t full = masks_.full & wanted;
-    for (std::uint64_t some = masks_.some & wanted & ~full; some != 0; some &= some - 1) {
-      drawBlock(tile_x * kTileSide, tile_y * kTileSide,
-                static_cast<std::uint32_t>(std::countr_zero(some)), least);
-    }
-    if (full == 0) return;
-    addPlanes(tile_, outline_, x, y, kParts);
-    raiseOutline(tile_, full, least);
-  }
-
-  std::uint32_t blocks() const { return blocks_; }
-
- private:
-  /// The sides that do not contain all of the tile. False: no cell of it is inside all sides.
-  bool setTileSides(double x, double y) {
-    tile_.sides = 0;
-    for (std::uint32_t s = 0; s < outline_.side_count; ++s) {
-      const SideLine& side = outline_.sides[s];
-      const double c = side.c + side.a * x + side.b * y, margin = marginAt(side, c);
-      if (c + 63.0 * high(side) + low(side) < margin) return false;
-      if (c + 64.0 * low(side) >= margin) continue;
-      const std::uint32_t k = tile_.sides++;
-      side_of_[k] = s;
-      tile_.a[k] = static_cast<float>(kParts * side.a);
-      tile_.b[k] = static_cast<float>(kParts * side.b);
-      tile_.c[k] = static_cast<float>(c);
-      tile_.full[k] = floatUp(margin - kParts * low(side));
-      tile_.some[k] = static_cast<float>(margin - 7.0 * high(side) - low(side));
-    }
-    return true;
-  }
-
-  std::uint64_t blocksOf(std::uint32_t tile_x, std::uint32_t tile_y) const {
-    const CellRect& c = outline_.cells;
-    return squareMask({c.x0 / kBlockSide, c.x1 / kBlockSide, c.y0 / kBlockSide, c.y1 / kBlockSide},
-                      tile_x * kTileSide, tile_y * kTileSide);
-  }
-
-  void drawBlock(std::uint32_t first_x, std::uint32_t first_y, std::uint32_t bit, float* least) {
-    const std::uint32_t block_x = first_x + bit % 8, block_y = first_y + bit / 8;
-    const double x = kParts * block_x, y = kParts * block_y;
-    ++blocks_;
-    block_.sides = 0;
-    for (std::uint32_t k = 0; k < tile_.sides; ++k) {
-      if ((masks_.full_of_side[k] >> bit & 1U) != 0) continue;
-      const SideLine& side = outline_.sides[side_of_[k]];
-      const double c = side.c + side.a * x + side.b * y;
-      const std::uint32_t n = block_.sides++;
-      block_.a[n] = static_cast<float>(side.a);
-      block_.b[n] = static_cast<float>(side.b);
-      block_.c[n] = static_cast<float>(c);
-      block_.full[n] = floatUp(marginAt(side, c) - low(side));
-    }
-    const std::uint64_t covered = outlineInside(block_);
-    if (covered == 0) return;
-    addPlanes(block_, outline_, x, y, 1.0);
-    float* nearness = cells_.cells(cells_.grid().blockAt(block_x, block_y));
-    least[bit] = std::max(least[bit], raiseOutline(block_, covered, nearness));
-  }
-
-  const ConvexOutline& outline_;
-  float nearest_;
-  DepthCells& cells_;
-  std::uint32_t blocks_ = 0;
-  std::array<std::uint32_t, kMostOutlineSides> side_of_;
-  OutlineSquare tile_, block_;
-  OutlineMasks masks_;
-};
 
 }  // namespace
 
@@ -290,20 +166,11 @@ OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const
   if (!in_front || out.side_count == 0 || !setCells(extent, grid, out.cells))
     return OutlineVerdict::kNothing;
   if (!rows.error.motion.still && !addSway(out)) return OutlineVerdict::kNeedSheet;
-  const double floor =
-      perspective ? 1.0 / (extent.largest_w + rows.error.w) : extent.least_n - rows.error.n;
-  out.depth_floor = floor - 0x1p-50 * std::abs(floor);
+  const double floor = perspective
+                           ? 1.0 / (extent.largest_w + rows.error.w + rows.error.motion.w_length)
+                           : extent.least_n - rows.error.n;
+  out.depth_floor = floatDown(floor - 0x1p-50 * std::abs(floor));
   return OutlineVerdict::kDraw;
-}
-
-std::uint32_t drawOutline(const ConvexOutline& outline, float nearest, DepthCells& cells) {
-  OutlineDrawing drawing(outline, nearest, cells);
-  const CellRect& c = outline.cells;
-  constexpr std::uint32_t kTileCells = kBlockSide * kTileSide;
-  for (std::uint32_t y = c.y0 / kTileCells; y <= c.y1 / kTileCells; ++y) {
-    for (std::uint32_t x = c.x0 / kTileCells; x <= c.x1 / kTileCells; ++x) drawing.drawTile(x, y);
-  }
-  return drawing.blocks();
 }
 
 }  // namespace culld

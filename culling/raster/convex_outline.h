@@ -19,7 +19,7 @@ struct ConvexOutline {
   /// What is covered is nowhere less near than the least of these planes, nor than the floor.
   std::array<DepthPlane, kMostOutlinePlanes> planes;
   std::uint32_t plane_count = 0;
-  double depth_floor = 0.0;
+  float depth_floor = 0.0F;
   CellRect cells{};             ///< everything inside all sides lies in here
   std::uint32_t triangles = 0;  ///< faces that turn to the eye
 };
@@ -35,7 +35,7 @@ OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const
                          bool perspective, int wanted, ConvexOutline& out) noexcept;
 
 /// Raises `cells` wherever the outline covers them. `nearest`: no point of the piece is nearer.
-/// Returns the blocks looked at.
+/// Returns the tiles and blocks looked at.
 std::uint32_t drawOutline(const ConvexOutline& outline, float nearest, DepthCells& cells);
 
 }  // namespace culld

@@ -33,14 +33,20 @@ class DepthCells {
   float leastNearness(std::uint32_t block) const noexcept { return least_[block]; }
   void setLeastNearness(std::uint32_t block, float least) noexcept {
     least_[block] = least;
-    tile_stale_[block / (kTileSide * kTileSide)] = 1;
+    forgetLeastOfTile(block / (kTileSide * kTileSide));
   }
 
-  /// The 64 of a tile, to be raised.
-  float* leastOfTile(std::uint32_t tile) noexcept {
-    tile_stale_[tile] = 1;
-    return least_.data() + tile * kTileSide * kTileSide;
+  /// leastNearness of the 64 blocks of a tile, to be raised; then the tile's own is to be told.
+  float* leastOfBlocks(std::uint32_t tile) noexcept {
+    return least_.data() + std::size_t{tile} * kTileSide * kTileSide;
   }
+  /// Every block of the tile is at least this near; not always the most that is known.
+  float leastOfTile(std::uint32_t tile) const noexcept { return tile_least_[tile]; }
+  void setLeastOfTile(std::uint32_t tile, float least) noexcept {
+    tile_least_[tile] = least;
+    tile_stale_[tile] = 0;
+  }
+  void forgetLeastOfTile(std::uint32_t tile) noexcept { tile_stale_[tile] = 1; }
 
   /// Something in the rectangle, nowhere nearer than `nearest`, is hidden in every cell of it.
   /// Cells at the same nearness do not hide.
@@ -55,7 +61,7 @@ class DepthCells {
 
   CellGrid grid_;
   std::vector<float> least_;       ///< by block
-  std::vector<float> tile_least_;  ///< least of a tile's blocks, if not stale
+  std::vector<float> tile_least_;  ///< least of a tile's blocks, or less if stale
   std::vector<std::uint8_t> tile_stale_;
   std::vector<std::array<float, 64>> cells_;
   std::vector<std::uint32_t> used_in_;  ///< frame in which the block's cells were last cleared

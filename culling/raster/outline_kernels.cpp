@@ -37,7 +37,7 @@ HWY_INLINE PartsVec valueAt(Parts d, float a, float b, float c, std::uint32_t pa
   return hn::Add(hn::Mul(hn::Set(d, a), hn::Load(d, kColumn + part % 8)), row);
 }
 
-void outlineMasksSimd(const OutlineSquare& square, OutlineMasks& masks) {
+void outlineMasksSimd(const OutlineSquare& square, const float* nearness, OutlineMasks& masks) {
   const Parts d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   masks.full = masks.some = ~std::uint64_t{0};
@@ -52,19 +52,30 @@ void outlineMasksSimd(const OutlineSquare& square, OutlineMasks& masks) {
     masks.full &= full;
     masks.some &= some;
   }
+  masks.raisable = 0;
+  for (std::uint32_t part = 0; part < 64; part += lanes) {
+    PartsVec top = hn::Set(d, square.depth_ceiling);
+    for (std::uint32_t p = 0; p < square.planes; ++p) {
+      const PartsVec low =
+          valueAt(d, square.plane_a[p], square.plane_b[p], square.plane_c[p], part);
+      top = hn::Min(top, hn::Add(low, hn::Set(d, square.plane_rise[p])));
+    }
+    top = hn::Max(top, hn::Set(d, square.depth_floor));
+    masks.raisable |= bitsOf(d, hn::Gt(top, hn::LoadU(d, nearness + part))) << part;
+  }
 }
 
 std::uint64_t outlineInsideSimd(const OutlineSquare& square) {
   const Parts d;
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
-  std::uint64_t inside = 0;
-  for (std::uint32_t part = 0; part < 64; part += lanes) {
-    std::uint64_t bits = (std::uint64_t{1} << lanes) - 1;
-    for (std::uint32_t s = 0; s < square.sides; ++s) {
+  std::uint64_t inside = ~std::uint64_t{0};
+  for (std::uint32_t s = 0; s < square.sides; ++s) {
+    std::uint64_t full = 0;
+    for (std::uint32_t part = 0; part < 64; part += lanes) {
       const PartsVec value = valueAt(d, square.a[s], square.b[s], square.c[s], part);
-      bits &= bitsOf(d, hn::Ge(value, hn::Set(d, square.full[s])));
+      full |= bitsOf(d, hn::Ge(value, hn::Set(d, square.full[s]))) << part;
     }
-    inside |= bits << part;
+    inside &= full;
   }
   return inside;
 }
@@ -99,8 +110,8 @@ HWY_EXPORT(outlineMasksSimd);
 HWY_EXPORT(outlineInsideSimd);
 HWY_EXPORT(raiseOutlineSimd);
 
-void outlineMasks(const OutlineSquare& square, OutlineMasks& masks) {
-  HWY_DYNAMIC_DISPATCH(outlineMasksSimd)(square, masks);
+void outlineMasks(const OutlineSquare& square, const float* nearness, OutlineMasks& masks) {
+  HWY_DYNAMIC_DISPATCH(outlineMasksSimd)(square, nearness, masks);
 }
 
 std::uint64_t outlineInside(const OutlineSquare& square) {

@@ -20,18 +20,29 @@ struct OutlineSquare {
   std::uint32_t sides = 0;
   /// Nearness of plane p over all of part (i, j) is at least plane_a * i + plane_b * j + plane_c.
   std::array<float, kMostOutlinePlanes> plane_a, plane_b, plane_c;
+  std::array<float, kMostOutlinePlanes> plane_rise;  ///< and at most so much more
   std::uint32_t planes = 0;
-  float depth_floor = 0.0F;  ///< nor is what is covered ever less near than this
+  float depth_floor = 0.0F;    ///< nor is what is covered ever less near than this
+  float depth_ceiling = 0.0F;  ///< nor nearer than this
+
+  void addConstant(float low, float high) noexcept {
+    plane_a[planes] = plane_b[planes] = 0.0F;
+    plane_c[planes] = low;
+    plane_rise[planes] = high - low;
+    ++planes;
+  }
 };
 
 struct OutlineMasks {
-  std::uint64_t full = 0;  ///< inside all sides
-  std::uint64_t some = 0;  ///< maybe inside all sides in some cell
+  std::uint64_t full = 0;      ///< inside all sides
+  std::uint64_t some = 0;      ///< maybe inside all sides in some cell
+  std::uint64_t raisable = 0;  ///< may be nearer than it is proven so far
   std::array<std::uint64_t, kMostOutlineSides> full_of_side;
 };
 
-void outlineMasks(const OutlineSquare& square, OutlineMasks& masks);
-void outlineMasksReference(const OutlineSquare& square, OutlineMasks& masks);
+/// `nearness`: of the 64 parts, so far.
+void outlineMasks(const OutlineSquare& square, const float* nearness, OutlineMasks& masks);
+void outlineMasksReference(const OutlineSquare& square, const float* nearness, OutlineMasks& masks);
 
 /// OutlineMasks::full alone.
 std::uint64_t outlineInside(const OutlineSquare& square);

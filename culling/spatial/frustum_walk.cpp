@@ -71,8 +71,8 @@ std::uint32_t countInFrustum(const WideBvh& bvh, const FrustumTest& frustum, std
 }
 
 void sortIds(std::vector<ObjectId>& ids, std::size_t limit) {
-  // Marking bits and reading them out beats sorting once about one id in 256 is there.
-  if (ids.size() < limit / 256) {
+  // Marking bits and reading them out beats sorting once about one id in 1024 is there.
+  if (ids.size() < limit / 1024) {
     std::sort(ids.begin(), ids.end());
     return;
   }

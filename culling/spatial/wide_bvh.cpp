@@ -63,10 +63,9 @@ void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept {
       node.offsets[kMaxX + a][l] = live ? offsetUp(box.max[axis], node.origin[a]) : -kInf;
     }
   }
-  node.live = 0;
-  for (std::size_t l = 0; l < kWideLanes; ++l) {
-    if (!boxes[l].empty()) node.live |= 1U << l;
-  }
+  std::uint32_t live = 0;
+  for (std::size_t l = 0; l < kWideLanes; ++l) live |= (boxes[l].empty() ? 0U : 1U) << l;
+  node.live = static_cast<std::uint16_t>(live);
 }
 
 Result<void> WideBvh::fits(const SceneSnapshot& scene) {

@@ -50,7 +50,8 @@ struct alignas(32) WideNode {
   float offsets[kBoxRows][kWideLanes];
   double origin[3];
   ChildRef child[kWideLanes];  ///< also set for hidden objects, whose lane is not live
-  std::uint32_t live;          ///< bit l: something below lane l may be answered
+  std::uint16_t live;          ///< bit l: something below lane l may be answered
+  std::uint16_t blocking;      ///< bit l: and something there has triangles that block
   std::uint32_t live_objects;  ///< at and below this node
 };
 static_assert(sizeof(WideNode) == 256);

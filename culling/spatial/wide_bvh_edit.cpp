@@ -111,7 +111,7 @@ class WideBvhEditor {
   /// Empties a lane. Boxes and counts are left to refitUpwards.
   void clearLane(std::uint32_t lane) {
     WideNode& node = change(lane / kLanes);
-    node.live &= ~(1U << (lane % kLanes));
+    node.live = static_cast<std::uint16_t>(node.live & ~(1U << (lane % kLanes)));
     node.child[lane % kLanes] = ChildRef();
   }
 
@@ -149,7 +149,7 @@ class WideBvhEditor {
     setChild(parent_lane, child);
     WideNode& parent = change(parent_lane / kLanes);
     const std::uint32_t bit = 1U << (parent_lane % kLanes);
-    parent.live = was_live ? parent.live | bit : parent.live & ~bit;
+    parent.live = static_cast<std::uint16_t>(was_live ? parent.live | bit : parent.live & ~bit);
   }
 
   void release(std::uint32_t index) {

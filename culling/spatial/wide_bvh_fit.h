@@ -19,7 +19,7 @@ WideNode emptyNode() noexcept;
 /// Contains every live lane of the node exactly; empty if no lane is live.
 Box boundsOf(const WideNode& node) noexcept;
 
-/// Sets origin, offsets, live bits and count of the node from its children. `node_at(index)` gives
+/// Sets everything but the children of the node from its children. `node_at(index)` gives
 /// a child node, which is fitted already.
 template <typename NodeAt>
 void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at);
@@ -31,7 +31,7 @@ void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept;
 template <typename NodeAt>
 void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at) {
   Box boxes[kWideLanes];
-  std::uint32_t live_objects = 0;
+  std::uint32_t live_objects = 0, blocking = 0;
   for (std::size_t l = 0; l < kWideLanes; ++l) {
     const ChildRef child = node.child[l];
     if (child.isObject()) {
@@ -39,14 +39,18 @@ void fitNode(WideNode& node, const SceneSnapshot& scene, const NodeAt& node_at) 
       if (instance.active() && laneClassOf(instance) == LaneClass::kLane) {
         boxes[l] = instance.bounds_world;
         ++live_objects;
+        blocking |= (scene.mesh(instance.mesh).blocking_triangles != 0 ? 1U : 0U) << l;
       }
     } else if (!child.empty()) {
-      boxes[l] = boundsOf(node_at(child.nodeIndex()));
-      live_objects += node_at(child.nodeIndex()).live_objects;
+      const WideNode& below = node_at(child.nodeIndex());
+      boxes[l] = boundsOf(below);
+      live_objects += below.live_objects;
+      blocking |= (below.blocking != 0 ? 1U : 0U) << l;
     }
   }
   fitNode(node, boxes);
   node.live_objects = live_objects;
+  node.blocking = static_cast<std::uint16_t>(blocking);
 }
 
 }  // namespace culld

@@ -72,9 +72,66 @@ class BoxProjectionAttack : public ::testing::Test {
     }
   }
 
+  /// A pose within the bound that has `p` in its frustum: then the rectangle must tell of it.
+  void checkSeenFromElsewhere(const Camera& cam, const CellView& view, const Quad* p,
+                              const BoxRects& rects, std::size_t lane) {
+    const glm::dvec3 way(real(-1.0, 1.0), real(-1.0, 1.0), real(-1.0, 1.0));
+    const glm::dvec3 d = (cam.motion.radius_m * (1.0 - 0x1p-50)) * glm::normalize(way);
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(way.y, -way.x, 0.1));
+    const Quad c = std::cos(cam.motion.angle_rad), s = std::sin(cam.motion.angle_rad);
+    const Quad q[3] = {p[0] - d.x, p[1] - d.y, p[2] - d.z};
+    const Quad along = axis.x * q[0] + axis.y * q[1] + axis.z * q[2];
+    const Quad seen[3] = {
+        c * q[0] + s * (axis.y * q[2] - axis.z * q[1]) + (1 - c) * along * axis.x,
+        c * q[1] + s * (axis.z * q[0] - axis.x * q[2]) + (1 - c) * along * axis.y,
+        c * q[2] + s * (axis.x * q[1] - axis.y * q[0]) + (1 - c) * along * axis.z};
+    const Quad x = rowAt(cam.x_row, seen), y = rowAt(cam.y_row, seen), w = rowAt(cam.w_row, seen);
+    if (!(w > 0) || x < -w || x > w || y < -w || y > w) return;
+    ++on_image_;
+    ASSERT_FALSE(rects.off_grid >> lane & 1U);
+    if (std::isinf(rects.nearest[lane])) return;  // it is kept
+    checkPoint(view, p, rects, lane);
+    const Quad own_w = rowAt(view.w, p);
+    ASSERT_GT(own_w, Quad(0));
+    const Quad u = rowAt(view.u, p) / own_w, v = rowAt(view.v, p) / own_w;
+    ASSERT_TRUE(u >= 0 && v >= 0 && u <= view.grid.width && v <= view.grid.height);
+  }
+
   std::mt19937_64 random_{5};
   int on_image_ = 0;
 };
+
+TEST_F(BoxProjectionAttack, WhatAnyPoseSeesIsOnTheGridWithinTheRectangleOrKept) {
+  int finite = 0;
+  for (int round = 0; round < 20000 && !HasFatalFailure(); ++round) {
+    Camera cam = camera();
+    const double scale = std::exp2(real(-20.0, 20.0));
+    cam.motion.radius_m = scale * std::exp2(real(-8.0, 1.0));
+    if (cam.perspective && random_() % 2 == 0) cam.motion.angle_rad = std::exp2(real(-9.0, -1.0));
+    if (!holdsInMotion(cam)) continue;
+    const CellView view = cellView(cam, gridFor(cam));
+    const Boxes b = boxes(scale);
+    const std::array<double, 3> origin{scale * real(-4.0, 4.0), scale * real(-2.0, 2.0),
+                                       -scale * real(0.0, 8.0)};
+    BoxRects rects;
+    projectBoxes(boxView(view), origin, b.offsets, rects);
+    for (std::size_t lane = 0; lane < kBoxLanes; ++lane) {
+      finite += std::isinf(rects.nearest[lane]) ? 0 : 1;
+      for (int k = 0; k < 12; ++k) {
+        Quad p[3];
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Quad low = Quad(origin[i]) + Quad(b.offsets[i][lane]);
+          const Quad size = Quad(b.offsets[i + 3][lane]) - Quad(b.offsets[i][lane]);
+          const double where = k < 8 ? (k >> i & 1) : real(0.0, 1.0);
+          p[i] = low + size * Quad(where);
+        }
+        checkSeenFromElsewhere(cam, view, p, rects, lane);
+      }
+    }
+  }
+  EXPECT_GT(on_image_, 50000);
+  EXPECT_GT(finite, 20000);
+}
 
 TEST_F(BoxProjectionAttack, NoPointLeavesItsRectangleOrComesNearer) {
   for (int round = 0; round < 20000 && !HasFatalFailure(); ++round) {

@@ -50,6 +50,7 @@ TEST(CoverageKernels, AddTriangleEqualsTheReferenceOnEveryTarget) {
         const BlockTriangle t = blocks.triangle();
         addTriangle(t, sheet, nearness.data());
         addTriangleReference(t, expected_sheet, expected.data());
+        ASSERT_EQ(rimCells(t), rimCellsReference(t));
       }
       ASSERT_EQ(sheet.rim, expected_sheet.rim);
       ASSERT_EQ(sheet.sampled, expected_sheet.sampled);

@@ -24,8 +24,10 @@ class RandomSquares {
       s.plane_a[p] = real(-0.1F, 0.1F);
       s.plane_b[p] = real(-0.1F, 0.1F);
       s.plane_c[p] = real(-0.2F, 1.0F);
+      s.plane_rise[p] = real(0.0F, 0.2F);
     }
     s.depth_floor = real(-0.2F, 0.5F);
+    s.depth_ceiling = real(0.5F, 1.0F);
     return s;
   }
   std::uint64_t bits() { return random_(); }
@@ -43,19 +45,21 @@ TEST(OutlineKernels, EqualTheReferenceOnEveryTarget) {
     std::size_t partly = 0;
     for (int round = 0; round < 5000; ++round) {
       const OutlineSquare square = random.square();
+      std::array<float, 64> nearness;
+      for (float& n : nearness) n = random.real(0.0F, 1.0F);
       OutlineMasks masks, expected;
-      outlineMasks(square, masks);
-      outlineMasksReference(square, expected);
+      outlineMasks(square, nearness.data(), masks);
+      outlineMasksReference(square, nearness.data(), expected);
       ASSERT_EQ(masks.full, expected.full);
       ASSERT_EQ(masks.some, expected.some);
       for (std::uint32_t s = 0; s < square.sides; ++s) {
         ASSERT_EQ(masks.full_of_side[s], expected.full_of_side[s]);
       }
+      ASSERT_EQ(masks.raisable, expected.raisable);
       ASSERT_EQ(outlineInside(square), expected.full);
+      ASSERT_EQ(outlineInsideReference(square), expected.full);
       if (expected.full != 0 && ~expected.full != 0) ++partly;
-      std::array<float, 64> nearness, raised;
-      for (float& n : nearness) n = random.real(0.0F, 1.0F);
-      raised = nearness;
+      std::array<float, 64> raised = nearness;
       const std::uint64_t covered = random.bits();
       ASSERT_EQ(raiseOutline(square, covered, nearness.data()),
                 raiseOutlineReference(square, covered, raised.data()));
