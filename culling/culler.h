@@ -33,6 +33,9 @@ struct Demand {
   /// As `time`, but of counted work (CullStats::work): the same answer on every machine. Methods
   /// whose work grows with the boxes alone need not look at it.
   std::chrono::nanoseconds work{0};
+  /// Ask objects that their bounding boxes could not hide by their own triangles too: fewer are
+  /// answered, for more time. Methods that never do so need not look at it.
+  bool own_triangles = true;
 };
 
 /// Counted work, so that claims can be checked without a clock.

@@ -24,7 +24,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
     const Deadline deadline(clock_, start, demand.time);
     Answer answer;
     if (holdsInMotion(camera)) {
-      RasterWalk(*boxes_.scene(), boxes_.bvh(), *occluders_, camera, deadline, demand.work,
+      RasterWalk(*boxes_.scene(), boxes_.bvh(), *occluders_, camera, deadline, demand,
                  view.memory<RasterMemory>())
           .run(answer);
     } else {

@@ -47,19 +47,19 @@ CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid)
 }  // namespace
 
 RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const OccluderSet& occluders,
-                       const Camera& camera, const Deadline& deadline,
-                       std::chrono::nanoseconds most_work, RasterMemory& memory)
+                       const Camera& camera, const Deadline& deadline, const Demand& demand,
+                       RasterMemory& memory)
     : scene_(scene),
       bvh_(bvh),
       occluders_(occluders),
       deadline_(deadline),
-      most_work_(most_work),
+      most_work_(demand.work),
       memory_(memory),
       frustum_(camera, bvh),
       view_(cellView(camera, gridFor(camera))),
       box_view_(boxView(view_)),
       origin_world_(camera.origin_world),
-      still_(camera.motion.still()) {
+      ask_triangles_(demand.own_triangles && camera.motion.still()) {
   memory_.cells.reset(view_.grid);
   memory_.queue.clear();
   memory_.candidates.clear();
@@ -245,7 +245,7 @@ void RasterWalk::answerCandidates(Answer& answer) {
   std::uint32_t looks = 0;
   for (const RasterItem& item : memory_.candidates) {
     bool out = hidden(item);
-    if (!out && still_ && !answer.out_of_budget && askingPays(stake_ns)) {
+    if (!out && ask_triangles_ && !answer.out_of_budget && askingPays(stake_ns)) {
       if (looks++ % kItemsPerLook == 0) answer.out_of_budget = deadline_.passed();
       out = !answer.out_of_budget && hiddenByItsTriangles(item, answer.out_of_budget);
     }

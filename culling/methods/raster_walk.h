@@ -39,7 +39,7 @@ struct RasterMemory final : ViewState::Memory {
 class RasterWalk {
  public:
   RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const OccluderSet& occluders,
-             const Camera& camera, const Deadline& deadline, std::chrono::nanoseconds most_work,
+             const Camera& camera, const Deadline& deadline, const Demand& demand,
              RasterMemory& memory);
 
   /// Appends the objects not proven hidden to answer.visible, in no particular order.
@@ -75,7 +75,7 @@ class RasterWalk {
   CellView view_;
   BoxView box_view_;
   glm::dvec3 origin_world_;
-  bool still_;  ///< no motion bound
+  bool ask_triangles_;  ///< demanded, and the view stands still
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
   std::uint64_t drawing_ns_ = 0;  ///< counted work of all that was drawn, priced

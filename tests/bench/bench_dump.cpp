@@ -18,6 +18,12 @@ using Time = std::chrono::steady_clock;
 
 constexpr std::size_t kEvictBytes = std::size_t{64} << 20;  ///< beyond a core's own caches
 
+struct Settings {
+  ImageSize image;
+  int repeat = 21;
+  Demand demand;
+};
+
 struct Frame {
   std::uint32_t camera = 0;
   double ms_min = 0.0, ms_median = 0.0, ms_cold = 0.0, scan_ms_min = 0.0;
@@ -63,32 +69,31 @@ void judge(const Answer& answer, const Dump& dump, const TruthFrame& truth, Fram
 
 class Bench {
  public:
-  Bench(const Dump& dump, ImageSize image, int repeat)
+  Bench(const Dump& dump, const Settings& settings)
       : dump_(dump),
-        image_(image),
-        repeat_(repeat),
+        settings_(settings),
         culler_(findMethod("raster")->prepare(toSnapshot(dump)).value()) {}
 
   Result<Frame> run(const TruthFrame& truth) {
     const DumpCamera& dumped = dump_.cameras[truth.camera];
-    auto camera = toCamera(dumped, image_);
+    auto camera = toCamera(dumped, settings_.image);
     if (!camera) return std::move(camera).error();
     Frame frame;
     frame.camera = truth.camera;
-    const Answer answer = culler_->cull(camera.value(), {}, view_);
+    const Answer answer = culler_->cull(camera.value(), settings_.demand, view_);
     judge(answer, dump_, truth, frame);
     frame.stats = answer.stats;
-    const auto cull = [&] { culler_->cull(camera.value(), {}, view_); };
-    const auto warm = timed(repeat_, cull);
+    const auto cull = [&] { culler_->cull(camera.value(), settings_.demand, view_); };
+    const auto warm = timed(settings_.repeat, cull);
     frame.ms_min = warm[0];
     frame.ms_median = warm[1];
     frame.ms_cold = 1e9;
-    for (int r = 0; r < std::min(repeat_, 5); ++r) {
+    for (int r = 0; r < std::min(settings_.repeat, 5); ++r) {
       evictCaches();
       frame.ms_cold = std::min(frame.ms_cold, timed(1, cull)[0]);
     }
-    frame.scan_ms_min =
-        timed(std::min(repeat_, 5), [&] { scanned_ += scanBoxes(dump_.objects, dumped); })[0];
+    frame.scan_ms_min = timed(std::min(settings_.repeat, 5),
+                              [&] { scanned_ += scanBoxes(dump_.objects, dumped); })[0];
     return frame;
   }
 
@@ -96,8 +101,7 @@ class Bench {
 
  private:
   const Dump& dump_;
-  ImageSize image_;
-  int repeat_;
+  Settings settings_;
   std::unique_ptr<Culler> culler_;
   ViewState view_;
   std::uint64_t scanned_ = 0;  ///< so that no compiler leaves the scan out
@@ -145,9 +149,9 @@ void printFrame(const Frame& f) {
               f.stats.triangles_drawn);
 }
 
-Result<std::vector<Frame>> runAll(const Dump& dump, const Truth& truth, ImageSize image, int repeat,
+Result<std::vector<Frame>> runAll(const Dump& dump, const Truth& truth, const Settings& settings,
                                   bool print) {
-  Bench bench(dump, image, repeat);
+  Bench bench(dump, settings);
   std::vector<Frame> frames;
   if (print) {
     std::printf(
@@ -164,7 +168,7 @@ Result<std::vector<Frame>> runAll(const Dump& dump, const Truth& truth, ImageSiz
   return frames;
 }
 
-int run(const std::string& dump_file, const std::string& truth_file, ImageSize image, int repeat,
+int run(const std::string& dump_file, const std::string& truth_file, const Settings& settings,
         bool json) {
   const auto refuse = [](const std::string& why) {
     std::fprintf(stderr, "bench_dump: %s\n", why.c_str());
@@ -174,7 +178,7 @@ int run(const std::string& dump_file, const std::string& truth_file, ImageSize i
   if (!dump) return refuse(dump.error().message);
   auto truth = readTruth(truth_file, dump.value());
   if (!truth) return refuse(truth.error().message);
-  auto frames = runAll(dump.value(), truth.value(), image, repeat, !json);
+  auto frames = runAll(dump.value(), truth.value(), settings, !json);
   if (!frames) return refuse(dump_file + ": " + frames.error().message);
   const auto totals = summary(frames.value());
   std::printf("%s\n", totals.dump(json ? -1 : 2).c_str());
@@ -186,19 +190,21 @@ int run(const std::string& dump_file, const std::string& truth_file, ImageSize i
 
 int main(int argc, char** argv) try {
   std::string dump, truth;
-  culld::ImageSize image;
-  int repeat = 21;
-  bool json = false;
+  culld::bench::Settings settings;
+  bool json = false, rectangles = false;
   CLI::App app(
       "Method raster on a benchmark dump, against its truth; exit 1 if it hid what was seen");
   app.add_option("DUMP", dump)->required();
   app.add_option("--truth", truth, "its truth file")->required();
-  app.add_option("--width", image.width_px, "pixels")->check(CLI::Range(1, 65536));
-  app.add_option("--height", image.height_px, "pixels")->check(CLI::Range(1, 65536));
-  app.add_option("--repeat", repeat, "repetitions of each frame")->check(CLI::Range(1, 10'000));
+  app.add_option("--width", settings.image.width_px, "pixels")->check(CLI::Range(1, 65536));
+  app.add_option("--height", settings.image.height_px, "pixels")->check(CLI::Range(1, 65536));
+  app.add_option("--repeat", settings.repeat, "repetitions of each frame")
+      ->check(CLI::Range(1, 10'000));
+  app.add_flag("--rectangles", rectangles, "no object is asked by its own triangles");
   app.add_flag("--json", json, "totals only, as one line of JSON");
   CLI11_PARSE(app, argc, argv);
-  return culld::bench::run(dump, truth, image, repeat, json);
+  settings.demand.own_triangles = !rectangles;
+  return culld::bench::run(dump, truth, settings, json);
 } catch (const std::exception& failure) {
   std::fprintf(stderr, "bench_dump: %s\n", failure.what());
   return 2;
