@@ -32,7 +32,7 @@ struct RowVecs {
   }
 };
 
-HWY_INLINE RowVecs Evaluate(Lanes d, const float* row, const AxisVec* axis) {
+HWY_INLINE RowVecs evaluate(Lanes d, const float* row, const AxisVec* axis) {
   const Vec r0 = hn::Set(d, row[0]), r1 = hn::Set(d, row[1]), r2 = hn::Set(d, row[2]);
   const Vec r3 = hn::Set(d, row[3]);
   const Vec near_terms =
@@ -51,7 +51,7 @@ struct RangeVec {
   Vec low, high;
 };
 
-HWY_INLINE RangeVec Quotient(Lanes d, const RowVecs& top, const RowVecs& w, Vec w_low) {
+HWY_INLINE RangeVec quotient(Lanes d, const RowVecs& top, const RowVecs& w, Vec w_low) {
   Vec low = hn::Set(d, std::numeric_limits<float>::infinity());
   Vec high = hn::Neg(low);
   for (std::uint32_t c = 0; c < 8; ++c) {
@@ -67,29 +67,29 @@ HWY_INLINE RangeVec Quotient(Lanes d, const RowVecs& top, const RowVecs& w, Vec 
 }
 
 // False for NaN and infinity as well.
-HWY_INLINE hn::Mask<Lanes> InRange(Lanes d, const RangeVec& r) {
+HWY_INLINE hn::Mask<Lanes> inRange(Lanes d, const RangeVec& r) {
   return hn::And(hn::Ge(r.low, hn::Set(d, -kLargest)), hn::Le(r.high, hn::Set(d, kLargest)));
 }
 
-HWY_INLINE AxisVec LoadAxis(Lanes d, double origin, const float* low, const float* high) {
+HWY_INLINE AxisVec loadAxis(Lanes d, double origin, const float* low, const float* high) {
   const Vec o = hn::Set(d, static_cast<float>(origin));
   const Vec lo = hn::LoadU(d, low), hi = hn::LoadU(d, high);
   return {hn::Add(o, lo), hn::Add(o, hi), hn::Add(hn::Abs(o), hn::Add(hn::Abs(lo), hn::Abs(hi)))};
 }
 
-void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
-                  BoxRects& out) {
+void projectBoxesSimd(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
+                      BoxRects& out) {
   const Lanes d;
   out.off_grid = 0;
   const Vec zero = hn::Zero(d), infinity = hn::Set(d, std::numeric_limits<float>::infinity());
   const Vec width = hn::Set(d, view.width), height = hn::Set(d, view.height);
   const Vec beside_limit = hn::Set(d, view.beside), behind = hn::Set(d, -view.behind);
   for (std::size_t first = 0; first < kBoxLanes; first += hn::Lanes(d)) {
-    const AxisVec axis[3] = {LoadAxis(d, origin[0], offsets[0] + first, offsets[3] + first),
-                             LoadAxis(d, origin[1], offsets[1] + first, offsets[4] + first),
-                             LoadAxis(d, origin[2], offsets[2] + first, offsets[5] + first)};
-    const RowVecs u = Evaluate(d, view.u.data(), axis), v = Evaluate(d, view.v.data(), axis);
-    const RowVecs w = Evaluate(d, view.w.data(), axis), n = Evaluate(d, view.n.data(), axis);
+    const AxisVec axis[3] = {loadAxis(d, origin[0], offsets[0] + first, offsets[3] + first),
+                             loadAxis(d, origin[1], offsets[1] + first, offsets[4] + first),
+                             loadAxis(d, origin[2], offsets[2] + first, offsets[5] + first)};
+    const RowVecs u = evaluate(d, view.u.data(), axis), v = evaluate(d, view.v.data(), axis);
+    const RowVecs w = evaluate(d, view.w.data(), axis), n = evaluate(d, view.n.data(), axis);
     Vec w_min = w.corner(0), w_max = w.corner(0), n_max = n.corner(0);
     for (std::uint32_t c = 1; c < 8; ++c) {
       w_min = hn::Min(w_min, w.corner(c));
@@ -97,7 +97,7 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
       n_max = hn::Max(n_max, n.corner(c));
     }
     const Vec w_low = hn::Sub(w_min, w.error);
-    const RangeVec x = Quotient(d, u, w, w_low), y = Quotient(d, v, w, w_low);
+    const RangeVec x = quotient(d, u, w, w_low), y = quotient(d, v, w, w_low);
     const Vec nearest = view.perspective ? hn::Mul(hn::Div(hn::Set(d, 1.0F), w_low),
                                                    hn::Set(d, 1.0F + kRelativeError))
                                          : hn::Add(n_max, n.error);
@@ -106,7 +106,7 @@ void ProjectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxO
     const Vec largest = hn::Set(d, kLargest);
     const auto finite = hn::And(hn::Le(errors, largest), hn::Le(nearest, largest));
     const auto bounded =
-        hn::And(hn::And(InRange(d, x), InRange(d, y)), hn::And(finite, hn::Gt(w_low, zero)));
+        hn::And(hn::And(inRange(d, x), inRange(d, y)), hn::And(finite, hn::Gt(w_low, zero)));
     hn::StoreU(hn::IfThenElse(bounded, x.low, zero), d, out.x0.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, x.high, width), d, out.x1.data() + first);
     hn::StoreU(hn::IfThenElse(bounded, y.low, zero), d, out.y0.data() + first);
@@ -134,11 +134,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace culld {
 
-HWY_EXPORT(ProjectBoxes);
+HWY_EXPORT(projectBoxesSimd);
 
 void projectBoxes(const BoxView& view, const std::array<double, 3>& origin, BoxOffsets offsets,
                   BoxRects& out) {
-  HWY_DYNAMIC_DISPATCH(ProjectBoxes)(view, origin, offsets, out);
+  HWY_DYNAMIC_DISPATCH(projectBoxesSimd)(view, origin, offsets, out);
 }
 
 BoxView boxView(const CellView& view) noexcept {

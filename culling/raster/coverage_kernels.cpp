@@ -29,7 +29,7 @@ inline RowMask maskOf(Row d, std::uint64_t bits) {
   return hn::LoadMaskBits(d, bytes);
 }
 
-void AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
+void addTriangleSimd(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   for (std::uint32_t first = 0; first < 8; first += lanes) {
@@ -66,7 +66,7 @@ void AddTriangle(const BlockTriangle& t, SheetBlock& sheet, float* nearness) {
   }
 }
 
-std::uint64_t RimCells(const BlockTriangle& t) {
+std::uint64_t rimCellsSimd(const BlockTriangle& t) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   const std::uint64_t lane_bits = (std::uint64_t{1} << lanes) - 1;
@@ -87,7 +87,7 @@ std::uint64_t RimCells(const BlockTriangle& t) {
   return cells;
 }
 
-float RaiseCells(std::uint64_t covered, const float* farthest, float* nearness) {
+float raiseCellsSimd(std::uint64_t covered, const float* farthest, float* nearness) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   RowVec least = hn::Set(d, 3.0e38F);
@@ -101,7 +101,7 @@ float RaiseCells(std::uint64_t covered, const float* farthest, float* nearness) 
   return hn::GetLane(hn::MinOfLanes(d, least));
 }
 
-std::uint64_t CellsNearerThan(const float* nearness, float limit) {
+std::uint64_t cellsNearerThanSimd(const float* nearness, float limit) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   const RowVec bound = hn::Set(d, limit);
@@ -119,25 +119,25 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace culld {
 
-HWY_EXPORT(AddTriangle);
-HWY_EXPORT(RimCells);
-HWY_EXPORT(RaiseCells);
-HWY_EXPORT(CellsNearerThan);
+HWY_EXPORT(addTriangleSimd);
+HWY_EXPORT(rimCellsSimd);
+HWY_EXPORT(raiseCellsSimd);
+HWY_EXPORT(cellsNearerThanSimd);
 
 void addTriangle(const BlockTriangle& triangle, SheetBlock& sheet, float* nearness) {
-  HWY_DYNAMIC_DISPATCH(AddTriangle)(triangle, sheet, nearness);
+  HWY_DYNAMIC_DISPATCH(addTriangleSimd)(triangle, sheet, nearness);
 }
 
 std::uint64_t rimCells(const BlockTriangle& triangle) {
-  return HWY_DYNAMIC_DISPATCH(RimCells)(triangle);
+  return HWY_DYNAMIC_DISPATCH(rimCellsSimd)(triangle);
 }
 
 float raiseCells(std::uint64_t covered, const float* farthest, float* nearness) {
-  return HWY_DYNAMIC_DISPATCH(RaiseCells)(covered, farthest, nearness);
+  return HWY_DYNAMIC_DISPATCH(raiseCellsSimd)(covered, farthest, nearness);
 }
 
 std::uint64_t cellsNearerThan(const float* nearness, float limit) {
-  return HWY_DYNAMIC_DISPATCH(CellsNearerThan)(nearness, limit);
+  return HWY_DYNAMIC_DISPATCH(cellsNearerThanSimd)(nearness, limit);
 }
 
 }  // namespace culld

@@ -33,20 +33,20 @@ struct BoundVecs {
   Mask bounded, behind;
 };
 
-HWY_INLINE Vec At(Lanes d, const ObjectRow& row, const Vec* p) {
+HWY_INLINE Vec at(Lanes d, const ObjectRow& row, const Vec* p) {
   const Vec xy = hn::Add(hn::Mul(hn::Set(d, row.x), p[0]), hn::Mul(hn::Set(d, row.y), p[1]));
   return hn::Add(hn::Add(xy, hn::Mul(hn::Set(d, row.z), p[2])), hn::Set(d, row.constant));
 }
 
 // Error of a place x on the image, from the errors e of u or v and ew of w.
-HWY_INLINE Vec PlaceError(Lanes d, Vec x, double e, Vec ew, Vec r) {
+HWY_INLINE Vec placeError(Lanes d, Vec x, double e, Vec ew, Vec r) {
   const Vec size = hn::Abs(x);
   const Vec moved = hn::Mul(hn::Add(hn::Set(d, e), hn::Mul(size, ew)), r);
   return hn::Add(hn::Mul(moved, hn::Set(d, 2.1)),
                  hn::Add(hn::Mul(size, hn::Set(d, 8.0 * kUnit)), hn::Set(d, kPad)));
 }
 
-HWY_INLINE void AddCorner(Lanes d, const CellVertexError& e, const CornerVecs& p, Vec n,
+HWY_INLINE void addCorner(Lanes d, const CellVertexError& e, const CornerVecs& p, Vec n,
                           BoundVecs& b) {
   const Vec ew = hn::Set(d, e.w), one = hn::Set(d, 1.0);
   const Vec least_w = hn::Sub(p.w, ew);
@@ -55,7 +55,7 @@ HWY_INLINE void AddCorner(Lanes d, const CellVertexError& e, const CornerVecs& p
   b.behind = hn::And(b.behind, hn::Lt(hn::Add(p.w, ew), hn::Zero(d)));
   const Vec r = hn::Div(one, p.w);
   const Vec x = hn::Mul(p.u, r), y = hn::Mul(p.v, r);
-  const Vec ex = PlaceError(d, x, e.u, ew, r), ey = PlaceError(d, y, e.v, ew, r);
+  const Vec ex = placeError(d, x, e.u, ew, r), ey = placeError(d, y, e.v, ew, r);
   const Vec beside = hn::Set(d, kFarBeside);
   const Mask x_near = hn::Lt(hn::Add(hn::Abs(x), ex), beside);
   const Mask y_near = hn::Lt(hn::Add(hn::Abs(y), ey), beside);
@@ -69,19 +69,19 @@ HWY_INLINE void AddCorner(Lanes d, const CellVertexError& e, const CornerVecs& p
   b.nearest = hn::Max(b.nearest, hn::Mul(hn::Mul(hn::Max(n, hn::Zero(d)), r), w_loss));
 }
 
-HWY_INLINE Vec Largest(Vec x, Vec y, Vec z) {
+HWY_INLINE Vec largest(Vec x, Vec y, Vec z) {
   return hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), hn::Abs(z));
 }
 
-HWY_INLINE Mask TurnsAway(Lanes d, const CornerVecs* p, const CellVertexError& e, double front) {
+HWY_INLINE Mask turnsAway(Lanes d, const CornerVecs* p, const CellVertexError& e, double front) {
   const Vec a = hn::Sub(hn::Mul(p[1].v, p[2].w), hn::Mul(p[1].w, p[2].v));
   const Vec b = hn::Sub(hn::Mul(p[1].w, p[2].u), hn::Mul(p[1].u, p[2].w));
   const Vec c = hn::Sub(hn::Mul(p[1].u, p[2].v), hn::Mul(p[1].v, p[2].u));
   const Vec det = hn::Add(hn::Add(hn::Mul(p[0].u, a), hn::Mul(p[0].v, b)), hn::Mul(p[0].w, c));
   const Vec eu = hn::Set(d, e.u), ev = hn::Set(d, e.v), ew = hn::Set(d, e.w);
-  const Vec mu = hn::Add(Largest(p[0].u, p[1].u, p[2].u), eu);
-  const Vec mv = hn::Add(Largest(p[0].v, p[1].v, p[2].v), ev);
-  const Vec mw = hn::Add(Largest(p[0].w, p[1].w, p[2].w), ew);
+  const Vec mu = hn::Add(largest(p[0].u, p[1].u, p[2].u), eu);
+  const Vec mv = hn::Add(largest(p[0].v, p[1].v, p[2].v), ev);
+  const Vec mw = hn::Add(largest(p[0].w, p[1].w, p[2].w), ew);
   const Vec spread =
       hn::Add(hn::Mul(hn::Mul(eu, mv), mw), hn::Mul(mu, hn::Add(hn::Mul(ev, mw), hn::Mul(mv, ew))));
   const Vec sum = hn::Add(hn::Add(mu, mv), hn::Add(mw, hn::Set(d, 1.0)));
@@ -90,25 +90,25 @@ HWY_INLINE Mask TurnsAway(Lanes d, const CornerVecs* p, const CellVertexError& e
   return hn::And(hn::Lt(hn::Mul(det, hn::Set(d, front)), hn::Neg(error)), in_range);
 }
 
-HWY_INLINE Mask AllBelow(Lanes d, const ObjectRow& row, double error, const Vec (*p)[3]) {
+HWY_INLINE Mask allBelow(Lanes d, const ObjectRow& row, double error, const Vec (*p)[3]) {
   const Vec limit = hn::Set(d, -error);
-  const Mask first = hn::Lt(At(d, row, p[0]), limit), second = hn::Lt(At(d, row, p[1]), limit);
-  return hn::And(hn::And(first, second), hn::Lt(At(d, row, p[2]), limit));
+  const Mask first = hn::Lt(at(d, row, p[0]), limit), second = hn::Lt(at(d, row, p[1]), limit);
+  return hn::And(hn::And(first, second), hn::Lt(at(d, row, p[2]), limit));
 }
 
-HWY_INLINE void StoreCells(Lanes d, Vec x, double side, std::uint32_t* out) {
+HWY_INLINE void storeCells(Lanes d, Vec x, double side, std::uint32_t* out) {
   const Vec clamped = hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, side - 1.0));
   const Ints ints;
   const hn::RebindToUnsigned<Ints> cells;
   hn::StoreU(hn::BitCast(cells, hn::DemoteTo(ints, clamped)), cells, out);
 }
 
-HWY_INLINE Vec Otherwise(Lanes d, Mask bounded, Vec x, double otherwise) {
+HWY_INLINE Vec boundedOr(Lanes d, Mask bounded, Vec x, double otherwise) {
   return hn::IfThenElse(bounded, x, hn::Set(d, otherwise));
 }
 
-void ProjectTriangles(const OccludeeView& view, const TriangleLanes& triangles, double front,
-                      TriangleRects& out) {
+void projectTrianglesSimd(const OccludeeView& view, const TriangleLanes& triangles, double front,
+                          TriangleRects& out) {
   const Lanes d;
   const Floats floats;
   const ObjectRows& rows = view.rows;
@@ -125,30 +125,30 @@ void ProjectTriangles(const OccludeeView& view, const TriangleLanes& triangles, 
         const float* from = triangles.coordinate[3 * c + axis].data() + first;
         p[c][axis] = hn::PromoteTo(d, hn::LoadU(floats, from));
       }
-      corner[c] = {At(d, rows.u, p[c]), At(d, rows.v, p[c]), At(d, rows.w, p[c])};
+      corner[c] = {at(d, rows.u, p[c]), at(d, rows.v, p[c]), at(d, rows.w, p[c])};
       const Vec n = view.perspective ? hn::Set(d, 1.0)
-                                     : hn::Add(At(d, rows.n, p[c]), hn::Set(d, rows.error.n));
-      AddCorner(d, rows.error, corner[c], n, b);
+                                     : hn::Add(at(d, rows.n, p[c]), hn::Set(d, rows.error.n));
+      addCorner(d, rows.error, corner[c], n, b);
     }
     const Mask beside_x = hn::Or(hn::Lt(b.x1, zero), hn::Gt(b.x0, hn::Set(d, view.width)));
     const Mask beside_y = hn::Or(hn::Lt(b.y1, zero), hn::Gt(b.y0, hn::Set(d, view.height)));
     const Mask beside = hn::And(b.bounded, hn::Or(beside_x, beside_y));
-    Mask unseen = hn::Or(hn::Or(beside, b.behind), TurnsAway(d, corner, rows.error, front));
+    Mask unseen = hn::Or(hn::Or(beside, b.behind), turnsAway(d, corner, rows.error, front));
     if (view.may_be_cut) {
-      unseen = hn::Or(unseen, hn::Or(AllBelow(d, rows.near_cut, rows.error.near_cut, p),
-                                     AllBelow(d, rows.far_cut, rows.error.far_cut, p)));
+      unseen = hn::Or(unseen, hn::Or(allBelow(d, rows.near_cut, rows.error.near_cut, p),
+                                     allBelow(d, rows.far_cut, rows.error.far_cut, p)));
     }
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, unseen, bits);
     out.unseen |= static_cast<std::uint32_t>(bits[0]) << first;
-    StoreCells(d, Otherwise(d, b.bounded, b.x0, 0.0), view.width, out.x0.data() + first);
-    StoreCells(d, Otherwise(d, b.bounded, b.x1, view.width), view.width, out.x1.data() + first);
-    StoreCells(d, Otherwise(d, b.bounded, b.y0, 0.0), view.height, out.y0.data() + first);
-    StoreCells(d, Otherwise(d, b.bounded, b.y1, view.height), view.height, out.y1.data() + first);
+    storeCells(d, boundedOr(d, b.bounded, b.x0, 0.0), view.width, out.x0.data() + first);
+    storeCells(d, boundedOr(d, b.bounded, b.x1, view.width), view.width, out.x1.data() + first);
+    storeCells(d, boundedOr(d, b.bounded, b.y0, 0.0), view.height, out.y0.data() + first);
+    storeCells(d, boundedOr(d, b.bounded, b.y1, view.height), view.height, out.y1.data() + first);
     const Vec raised =
         hn::Add(hn::Mul(b.nearest, hn::Set(d, 1.0 + kToFloat)), hn::Set(d, kSubnormal));
     const Vec nearest =
-        Otherwise(d, hn::And(b.bounded, hn::Lt(raised, hn::Set(d, kLargest))), raised, kInfinity);
+        boundedOr(d, hn::And(b.bounded, hn::Lt(raised, hn::Set(d, kLargest))), raised, kInfinity);
     hn::StoreU(hn::DemoteTo(floats, nearest), floats, out.nearest.data() + first);
   }
 }
@@ -156,8 +156,8 @@ void ProjectTriangles(const OccludeeView& view, const TriangleLanes& triangles, 
 using Row = hn::CappedTag<float, 8>;
 using RowVec = hn::Vec<Row>;
 
-std::uint64_t CellsNotHiding(const BlockTriangle& t, const BlockNearest& nearest, float least,
-                             const float* nearness) {
+std::uint64_t cellsNotHidingSimd(const BlockTriangle& t, const BlockNearest& nearest, float least,
+                                 const float* nearness) {
   const Row d;
   const std::uint32_t lanes = static_cast<std::uint32_t>(hn::Lanes(d));
   std::uint64_t open = 0;
@@ -190,17 +190,17 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace culld {
 
-HWY_EXPORT(ProjectTriangles);
-HWY_EXPORT(CellsNotHiding);
+HWY_EXPORT(projectTrianglesSimd);
+HWY_EXPORT(cellsNotHidingSimd);
 
 void projectTriangles(const OccludeeView& view, const TriangleLanes& triangles, double front,
                       TriangleRects& out) {
-  HWY_DYNAMIC_DISPATCH(ProjectTriangles)(view, triangles, front, out);
+  HWY_DYNAMIC_DISPATCH(projectTrianglesSimd)(view, triangles, front, out);
 }
 
 std::uint64_t cellsNotHiding(const BlockTriangle& triangle, const BlockNearest& nearest,
                              float least, const float* nearness) {
-  return HWY_DYNAMIC_DISPATCH(CellsNotHiding)(triangle, nearest, least, nearness);
+  return HWY_DYNAMIC_DISPATCH(cellsNotHidingSimd)(triangle, nearest, least, nearness);
 }
 
 }  // namespace culld

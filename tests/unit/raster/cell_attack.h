@@ -284,8 +284,9 @@ class CellAttack : public testing::Test {
       ++i;
       ++cells_;
       for (int k = 0; k < 8; ++k) {
-        const Quad s = x + (k < 4 ? Quad(k % 2) : Quad(real(0.0, 1.0)));
-        const Quad t = y + (k < 4 ? Quad(k / 2) : Quad(real(0.0, 1.0)));
+        const int right = k % 2, up = k / 2;  // the four corners first
+        const Quad s = x + (k < 4 ? Quad(right) : Quad(real(0.0, 1.0)));
+        const Quad t = y + (k < 4 ? Quad(up) : Quad(real(0.0, 1.0)));
         ASSERT_GE(object.blockedAt(view, view.through(s, t)), Quad(nearness))
             << "cell " << x << ", " << y << ", place " << k;
       }
