@@ -33,7 +33,7 @@ struct BoundVecs {
   Mask bounded, behind;
 };
 
-HWY_INLINE Vec at(Lanes d, const ObjectRow& row, const Vec* p) {
+HWY_INLINE Vec rowAt(Lanes d, const ObjectRow& row, const Vec* p) {
   const Vec xy = hn::Add(hn::Mul(hn::Set(d, row.x), p[0]), hn::Mul(hn::Set(d, row.y), p[1]));
   return hn::Add(hn::Add(xy, hn::Mul(hn::Set(d, row.z), p[2])), hn::Set(d, row.constant));
 }
@@ -92,8 +92,9 @@ HWY_INLINE Mask turnsAway(Lanes d, const CornerVecs* p, const CellVertexError& e
 
 HWY_INLINE Mask allBelow(Lanes d, const ObjectRow& row, double error, const Vec (*p)[3]) {
   const Vec limit = hn::Set(d, -error);
-  const Mask first = hn::Lt(at(d, row, p[0]), limit), second = hn::Lt(at(d, row, p[1]), limit);
-  return hn::And(hn::And(first, second), hn::Lt(at(d, row, p[2]), limit));
+  const Mask first = hn::Lt(rowAt(d, row, p[0]), limit),
+             second = hn::Lt(rowAt(d, row, p[1]), limit);
+  return hn::And(hn::And(first, second), hn::Lt(rowAt(d, row, p[2]), limit));
 }
 
 HWY_INLINE void storeCells(Lanes d, Vec x, double side, std::uint32_t* out) {
@@ -103,8 +104,8 @@ HWY_INLINE void storeCells(Lanes d, Vec x, double side, std::uint32_t* out) {
   hn::StoreU(hn::BitCast(cells, hn::DemoteTo(ints, clamped)), cells, out);
 }
 
-HWY_INLINE Vec boundedOr(Lanes d, Mask bounded, Vec x, double otherwise) {
-  return hn::IfThenElse(bounded, x, hn::Set(d, otherwise));
+HWY_INLINE Vec otherwise(Lanes d, Mask bounded, Vec x, double value) {
+  return hn::IfThenElse(bounded, x, hn::Set(d, value));
 }
 
 void projectTrianglesSimd(const OccludeeView& view, const TriangleLanes& triangles, double front,
@@ -125,9 +126,9 @@ void projectTrianglesSimd(const OccludeeView& view, const TriangleLanes& triangl
         const float* from = triangles.coordinate[3 * c + axis].data() + first;
         p[c][axis] = hn::PromoteTo(d, hn::LoadU(floats, from));
       }
-      corner[c] = {at(d, rows.u, p[c]), at(d, rows.v, p[c]), at(d, rows.w, p[c])};
+      corner[c] = {rowAt(d, rows.u, p[c]), rowAt(d, rows.v, p[c]), rowAt(d, rows.w, p[c])};
       const Vec n = view.perspective ? hn::Set(d, 1.0)
-                                     : hn::Add(at(d, rows.n, p[c]), hn::Set(d, rows.error.n));
+                                     : hn::Add(rowAt(d, rows.n, p[c]), hn::Set(d, rows.error.n));
       addCorner(d, rows.error, corner[c], n, b);
     }
     const Mask beside_x = hn::Or(hn::Lt(b.x1, zero), hn::Gt(b.x0, hn::Set(d, view.width)));
@@ -141,14 +142,14 @@ void projectTrianglesSimd(const OccludeeView& view, const TriangleLanes& triangl
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, unseen, bits);
     out.unseen |= static_cast<std::uint32_t>(bits[0]) << first;
-    storeCells(d, boundedOr(d, b.bounded, b.x0, 0.0), view.width, out.x0.data() + first);
-    storeCells(d, boundedOr(d, b.bounded, b.x1, view.width), view.width, out.x1.data() + first);
-    storeCells(d, boundedOr(d, b.bounded, b.y0, 0.0), view.height, out.y0.data() + first);
-    storeCells(d, boundedOr(d, b.bounded, b.y1, view.height), view.height, out.y1.data() + first);
+    storeCells(d, otherwise(d, b.bounded, b.x0, 0.0), view.width, out.x0.data() + first);
+    storeCells(d, otherwise(d, b.bounded, b.x1, view.width), view.width, out.x1.data() + first);
+    storeCells(d, otherwise(d, b.bounded, b.y0, 0.0), view.height, out.y0.data() + first);
+    storeCells(d, otherwise(d, b.bounded, b.y1, view.height), view.height, out.y1.data() + first);
     const Vec raised =
         hn::Add(hn::Mul(b.nearest, hn::Set(d, 1.0 + kToFloat)), hn::Set(d, kSubnormal));
     const Vec nearest =
-        boundedOr(d, hn::And(b.bounded, hn::Lt(raised, hn::Set(d, kLargest))), raised, kInfinity);
+        otherwise(d, hn::And(b.bounded, hn::Lt(raised, hn::Set(d, kLargest))), raised, kInfinity);
     hn::StoreU(hn::DemoteTo(floats, nearest), floats, out.nearest.data() + first);
   }
 }

@@ -43,7 +43,7 @@ void projectTrianglesReference(const OccludeeView& view, const TriangleLanes& tr
                                double front, TriangleRects& out);
 
 /// Over cell (i, j) of a block nothing of a triangle is nearer than a * i + b * j + c, nor than
-/// `ceiling`.
+/// `ceiling`. a, b and c are finite.
 struct BlockNearest {
   float a, b, c, ceiling;
 };

@@ -75,6 +75,9 @@ class TrueView {
   bool betweenClipPlanes(const Vec& p) const {
     return (!perspective_ || w_.at(p) > 0) && near_cut_.at(p) >= 0 && far_cut_.at(p) >= 0;
   }
+  /// Where a point lies on the image, in cells. REQUIRES: it is not in the eye's plane.
+  Quad column(const Vec& p) const { return u_.at(p) / w_.at(p); }
+  Quad row(const Vec& p) const { return v_.at(p) / w_.at(p); }
   Quad nearness(const Vec& p) const { return near_.at(p) / (w_.at(p) * metres_); }
 
  private:
@@ -99,6 +102,16 @@ class TrueObject {
     mirrored_ = dot(a, cross(b, c)) < 0;
   }
 
+  std::array<Vec, 3> triangle(std::uint32_t t) const {
+    const auto& corner = mesh_.triangles[t];
+    return {corners_[corner[0]], corners_[corner[1]], corners_[corner[2]]};
+  }
+  /// Does the triangle turn its front against the line's direction?
+  bool front(const std::array<Vec, 3>& corner, const Line& line) const {
+    const Vec normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    return (dot(normal, line.direction) < 0) != mirrored_;
+  }
+
   /// Nearness of the nearest blocking surface on the line; negative if there is none.
   Quad blockedAt(const TrueView& view, const Line& line) const {
     Quad nearest = -1;
@@ -121,9 +134,7 @@ class TrueObject {
     if (volume == 0) return;
     constexpr double kCommonEdge = 1e-25;  // of two triangles, a ray meets one at least
     if (std::min({va / volume, vb / volume, vc / volume}) < Quad(-kCommonEdge)) return;
-    const Vec normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    const bool front = (dot(normal, line.direction) < 0) != mirrored_;
-    if (!front && !double_sided) return;
+    if (!double_sided && !front(corner, line)) return;
     const Vec p = line.origin + (va / volume) * a + (vb / volume) * b + (vc / volume) * c;
     if (view.betweenClipPlanes(p)) nearest = std::max(nearest, view.nearness(p));
   }
@@ -254,7 +265,8 @@ class CellAttack : public testing::Test {
     drawAndJudge(drawn, m, cameraFromLookAt(look, {320, 180}).value());
   }
 
-  void drawAndJudge(const Mesh& drawn, const std::array<double, 12>& m, const Camera& camera) {
+  virtual void drawAndJudge(const Mesh& drawn, const std::array<double, 12>& m,
+                            const Camera& camera) {
     const CellView view = cellView(camera, gridFor(camera));
     DepthCells cells;
     cells.reset(view.grid);
