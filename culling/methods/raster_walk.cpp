@@ -57,9 +57,10 @@ RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Occ
       memory_(memory),
       frustum_(camera, bvh),
       view_(cellView(camera, gridFor(camera))),
+      asked_view_(askedView(view_)),
       box_view_(boxView(view_)),
       origin_world_(camera.origin_world),
-      ask_triangles_(demand.own_triangles && camera.motion.still()) {
+      ask_triangles_(demand.own_triangles) {
   memory_.cells.reset(view_.grid);
   memory_.queue.clear();
   memory_.candidates.clear();
@@ -245,7 +246,9 @@ void RasterWalk::answerCandidates(Answer& answer) {
   std::uint32_t looks = 0;
   for (const RasterItem& item : memory_.candidates) {
     bool out = hidden(item);
-    if (!out && ask_triangles_ && !answer.out_of_budget && askingPays(stake_ns)) {
+    // What an eye in motion may see beside the image has infinite nearness: it stays.
+    const bool may_ask = ask_triangles_ && (!view_.moves || std::isfinite(item.nearest));
+    if (!out && may_ask && !answer.out_of_budget && askingPays(stake_ns)) {
       if (looks++ % kItemsPerLook == 0) answer.out_of_budget = deadline_.passed();
       out = !answer.out_of_budget && hiddenByItsTriangles(item, answer.out_of_budget);
     }
@@ -277,7 +280,7 @@ bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budge
                            item.nearest};
   const std::uint64_t worth_ns = kAnsweredObjectNs + kAnsweredTriangleNs * mesh.triangles.size();
   const OwnTriangleVerdict verdict =
-      ownTrianglesHidden(object, view_, origin_world_, deadline_, worth_ns, memory_.cells);
+      ownTrianglesHidden(object, asked_view_, origin_world_, deadline_, worth_ns, memory_.cells);
   asking_ns_ += verdict.work_ns;
   if (verdict.hidden) saved_ns_ += worth_ns;
   out_of_budget = verdict.out_of_time || (most_work_.count() != 0 && work() >= most_work_);

@@ -10,6 +10,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/convex_outline.h"
 #include "culling/raster/depth_cells.h"
+#include "culling/raster/moving_view.h"
 #include "culling/raster/own_triangles.h"
 #include "culling/raster/sheet.h"
 #include "culling/spatial/frustum_test.h"
@@ -73,6 +74,7 @@ class RasterWalk {
   RasterMemory& memory_;
   FrustumTest frustum_;
   CellView view_;
+  CellView asked_view_;  ///< the same, for what is asked instead of drawn
   BoxView box_view_;
   glm::dvec3 origin_world_;
   bool ask_triangles_;  ///< demanded, and the view stands still

@@ -43,7 +43,8 @@ struct CellView {
   /// Sign of the projected area of a triangle that turns its front (CCW side) to the eye; 0 if the
   /// camera is so flat that this cannot be told, then nothing blocks.
   double front_sign = 1.0;
-  EyeMotion motion;  ///< an orthographic image does not change with the eye
+  bool moves = false;  ///< made for a motion bound
+  EyeMotion motion;    ///< an orthographic image does not change with the eye
   /// For an eye that moves: what is nearer than this may be on the image from elsewhere though it
   /// is beside the grid, and what is behind it by less than `behind_m`, too.
   double beside = std::numeric_limits<double>::infinity();

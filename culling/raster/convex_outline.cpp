@@ -166,9 +166,8 @@ OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const
   if (!in_front || out.side_count == 0 || !setCells(extent, grid, out.cells))
     return OutlineVerdict::kNothing;
   if (!rows.error.motion.still && !addSway(out)) return OutlineVerdict::kNeedSheet;
-  const double floor = perspective
-                           ? 1.0 / (extent.largest_w + rows.error.w + rows.error.motion.w_length)
-                           : extent.least_n - rows.error.n;
+  const double floor =
+      perspective ? 1.0 / (extent.largest_w + rows.error.w) : extent.least_n - rows.error.n;
   out.depth_floor = floatDown(floor - 0x1p-50 * std::abs(floor));
   return OutlineVerdict::kDraw;
 }

@@ -175,7 +175,18 @@ bool setOrthographic(CellView& view, double radius, double angle) {
 
 }  // namespace
 
+CellView askedView(const CellView& view) noexcept {
+  CellView asked = view;
+  if (view.moves) {
+    asked.motion = {};
+    asked.front_sign = 0.0;
+    asked.near_cut = asked.far_cut = {0.0, 0.0, 0.0, 1.0};
+  }
+  return asked;
+}
+
 bool setInMotion(CellView& view, const MotionBound& bound) noexcept {
+  view.moves = true;
   const double radius = bound.radius_m > 0.0 ? std::max(kUp * bound.radius_m, kLeastRadius) : 0.0;
   return view.perspective ? setPerspective(view, radius, bound.angle_rad)
                           : setOrthographic(view, radius, bound.angle_rad);

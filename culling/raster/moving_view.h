@@ -9,4 +9,8 @@ namespace culld {
 /// nothing may be drawn or looked up in it.
 bool setInMotion(CellView& view, const MotionBound& bound) noexcept;
 
+/// `view` for asking what of a surface can be seen through it. From elsewhere its other side may be
+/// seen, and a cut that is safe for blockers is not for them: in motion all of it counts.
+CellView askedView(const CellView& view) noexcept;
+
 }  // namespace culld

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/scenes/city.h"
+#include "tests/scenes/landscapes.h"
 #include "tests/scenes/random.h"
 #include "tests/scenes/random_scene.h"
 #include "tests/soundness/judge.h"
@@ -97,6 +98,88 @@ TEST(MotionBounds, NoMethodLacksWhatAWalkerInTheCitySees) {
   }
   EXPECT_EQ(tally.missed, 0U);
   EXPECT_GT(tally.unwidened, 10U);
+}
+
+struct Motions {
+  std::size_t looks = 0, in_frustum = 0, not_nested = 0;
+  std::vector<std::size_t> answered;  ///< by radius
+};
+
+constexpr double kRadii[] = {0.05, 0.15, 0.3, 0.6, 1.2};
+
+/// `raster` at growing radii against what poses within each of them see.
+void judgeRadii(const SnapshotPtr& scene, const std::vector<scenes::CameraSpec>& cameras,
+                std::size_t step, Motions& all) {
+  const auto oracle = Oracle::build(scene);
+  const auto raster = findMethod("raster")->prepare(scene);
+  const auto frustum = findMethod("frustum")->prepare(scene);
+  ASSERT_TRUE(oracle.ok() && raster.ok() && frustum.ok());
+  all.answered.resize(std::size(kRadii) + 1);
+  ViewState view;
+  for (std::size_t c = 0; c < cameras.size(); c += step) {
+    Camera camera = scenes::toCamera(cameras[c]).value();
+    std::vector<ObjectId> before = raster.value()->cull(camera, {}, view).visible;
+    all.answered[0] += before.size();
+    ++all.looks;
+    for (std::size_t i = 0; i < std::size(kRadii); ++i) {
+      SCOPED_TRACE("camera " + std::to_string(c) + " radius " + std::to_string(kRadii[i]));
+      camera.motion = {kRadii[i], (c / step) % 2 == 0 ? 0.0 : 0.1};
+      const auto truth = oracle.value()->look(
+          camera, {.lattice = 1, .max_samples = 8'000, .rays_per_object = 4, .seed = c + i});
+      ASSERT_TRUE(truth.ok()) << truth.error().message;
+      const Answer answer = raster.value()->cull(camera, {}, view);
+      expectWellFormed(answer, *scene);
+      EXPECT_EQ(answer.note, "");
+      const auto lost = missing(truth.value().visible, answer.visible);
+      EXPECT_TRUE(lost.empty()) << "raster lacks object " << lost.front();
+      all.answered[i + 1] += answer.visible.size();
+      all.not_nested += missing(before, answer.visible).size();
+      before = answer.visible;
+    }
+    all.in_frustum += frustum.value()->cull(camera, {}, view).visible.size();
+  }
+}
+
+void expectUseful(const char* name, const Motions& all) {
+  std::printf("%s: %zu looks, answered", name, all.looks);
+  for (const std::size_t n : all.answered) std::printf(" %zu", n);
+  std::printf(", in the frustum at last %zu, lost again at a larger radius %zu\n", all.in_frustum,
+              all.not_nested);
+  for (std::size_t i = 1; i < all.answered.size(); ++i) {
+    EXPECT_LE(all.answered[i - 1], all.answered[i]);
+  }
+  EXPECT_LT(2 * all.answered[3], all.in_frustum) << "occlusion in motion leaves little out";
+  // The grid, what is drawn and who is asked hang on the radius; the sums must not.
+  EXPECT_LT(10 * all.not_nested, all.answered[5]);
+}
+
+TEST(MotionBounds, RasterLacksNothingAtGrowingRadiiInTheCity) {
+  const scenes::City city = scenes::generateCity({.seed = 5, .objects = 6'000, .frames = 20});
+  Motions all;
+  judgeRadii(scenes::toSnapshot(city.model), city.cameras, 3, all);
+  expectUseful("city", all);
+}
+
+TEST(MotionBounds, RasterLacksNothingAtGrowingRadiiInRooms) {
+  const scenes::Landscape rooms = scenes::closedRooms({.objects = 4'000, .frames = 12});
+  Motions all;
+  judgeRadii(scenes::toSnapshot(rooms.model), rooms.cameras, 2, all);
+  expectUseful("rooms", all);
+}
+
+TEST(MotionBounds, AHugeRadiusGetsAboutTheFrustumsAnswer) {
+  const scenes::City city = scenes::generateCity({.seed = 5, .objects = 3'000, .frames = 10});
+  const SnapshotPtr scene = scenes::toSnapshot(city.model);
+  const auto raster = findMethod("raster")->prepare(scene);
+  const auto frustum = findMethod("frustum")->prepare(scene);
+  ASSERT_TRUE(raster.ok() && frustum.ok());
+  for (std::size_t c = 0; c < city.cameras.size(); c += 3) {
+    Camera camera = scenes::toCamera(city.cameras[c]).value();
+    camera.motion.radius_m = 1e4;
+    ViewState one, other;
+    EXPECT_EQ(raster.value()->cull(camera, {}, one).visible,
+              frustum.value()->cull(camera, {}, other).visible);
+  }
 }
 
 }  // namespace

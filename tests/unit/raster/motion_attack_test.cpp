@@ -246,7 +246,8 @@ TEST(MovingView, AWallNearerThanTheRadiusHidesNothing) {
     return cells.certainlyHidden(rect, 0.4F);
   };
   EXPECT_TRUE(middle(0.0));
-  EXPECT_TRUE(middle(1.9));
+  EXPECT_TRUE(middle(1.85));
+  EXPECT_FALSE(middle(1.95));  // the near plane, 0.1 m ahead, could cut it
   EXPECT_FALSE(middle(2.0));
   EXPECT_FALSE(middle(2.1));
 }
