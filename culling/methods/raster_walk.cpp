@@ -17,7 +17,7 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 
 // Nanoseconds of counted work, measured (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
-constexpr std::uint64_t kPieceNs = 700, kOutlineBlockNs = 30;
+constexpr std::uint64_t kPieceNs = 1200, kSquareNs = 80;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 // What sending an object costs its client, as the planner prices it: asking may not cost more.
 constexpr std::uint64_t kAnsweredObjectNs = 50'000, kAnsweredTriangleNs = 10;
@@ -164,9 +164,9 @@ bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance) {
   }
   for (std::size_t i = 0; i < count; ++i) {
     const ConvexOutline& outline = memory_.outlines[i];
-    const std::uint32_t blocks = drawOutline(outline, item.nearest, memory_.cells);
+    const std::uint32_t squares = drawOutline(outline, item.nearest, memory_.cells);
     stats_.triangles_drawn += outline.triangles;
-    drawing_ns_ += kPieceNs + kOutlineBlockNs * blocks;
+    drawing_ns_ += kPieceNs + kSquareNs * squares;
   }
   return true;
 }
