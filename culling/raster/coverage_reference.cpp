@@ -35,10 +35,11 @@ void addTriangleReference(const BlockTriangle& t, SheetBlock& sheet, float* near
 std::uint64_t rimCellsReference(const BlockTriangle& t) {
   std::uint64_t rim = 0;
   for (std::uint32_t cell = 0; cell < 64; ++cell) {
+    const std::uint32_t i = cell % 8, j = cell / 8;
     bool touched = true, on_rim = false;
     for (std::uint32_t s = 0; s < t.sides; ++s) {
-      const float row = t.c[s] + t.b[s] * static_cast<float>(cell / 8);
-      const float value = t.a[s] * static_cast<float>(cell % 8) + row;
+      const float row = t.c[s] + t.b[s] * static_cast<float>(j);
+      const float value = t.a[s] * static_cast<float>(i) + row;
       touched = touched && value >= t.touch[s];
       on_rim = on_rim || ((t.net_sides >> s & 1U) != 0 && !(value >= t.inside[s]));
     }

@@ -141,7 +141,8 @@ class OutlineDrawing {
   /// The tile's planes over the cells of one of its blocks. They bound whole blocks from below;
   /// a cell's corner lies up to seven eighths of the way back.
   void setBlockPlanes(std::uint32_t bit) {
-    const auto i = static_cast<float>(bit % 8), j = static_cast<float>(bit / 8);
+    const std::uint32_t column = bit % 8, row = bit / 8;
+    const auto i = static_cast<float>(column), j = static_cast<float>(row);
     block_.planes = tile_.planes;
     for (std::uint32_t p = 0; p < tile_.planes; ++p) {
       const float a = tile_.plane_a[p], b = tile_.plane_b[p];

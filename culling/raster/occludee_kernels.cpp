@@ -169,7 +169,7 @@ std::uint64_t cellsNotHidingSimd(const BlockTriangle& t, const BlockNearest& nea
       const RowVec plane_row = hn::Set(d, nearest.c + nearest.b * jf);
       const RowVec plane = hn::Add(hn::Mul(hn::Set(d, nearest.a), column), plane_row);
       const RowVec limit = hn::Max(hn::Min(plane, hn::Set(d, nearest.ceiling)), hn::Zero(d));
-      const RowVec cell = hn::Max(hn::LoadU(d, nearness + 8 * j + first), hn::Set(d, least));
+      const RowVec cell = hn::Max(hn::LoadU(d, nearness + (8 * j + first)), hn::Set(d, least));
       auto not_hiding = hn::Not(hn::Gt(cell, limit));
       for (std::uint32_t s = 0; s < t.sides; ++s) {
         const RowVec row = hn::Set(d, t.c[s] + t.b[s] * jf);

@@ -169,7 +169,7 @@ bool OwnTriangles::surfaceHidden(const SheetSurface& surface) {
 bool OwnTriangles::eightHidden(std::uint32_t first, std::uint32_t count, double front) {
   for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
     const auto& corner = object_.triangles[first + std::min(lane, count - 1)];
-    for (std::uint32_t c = 0; c < 3; ++c) {
+    for (std::size_t c = 0; c < 3; ++c) {
       const glm::vec3& p = object_.positions[corner[c]];
       lanes_.coordinate[3 * c][lane] = p.x;
       lanes_.coordinate[3 * c + 1][lane] = p.y;
