@@ -1,5 +1,5 @@
 // How far the eye of a perspective camera may move while what is proven must go on holding
-// (docs/error-model.md §7). Seen from there, all of a scene moves together, the other way.
+// (docs/error-model/motion.md). Seen from there, all of a scene moves together, the other way.
 #pragma once
 #include <array>
 

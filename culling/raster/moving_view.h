@@ -1,5 +1,5 @@
 // A still camera's view becomes one that shows what every pose within a motion bound sees.
-// docs/error-model.md §7 proves it.
+// docs/error-model/motion.md proves it.
 #pragma once
 #include "culling/raster/cell_view.h"
 

@@ -120,7 +120,7 @@ SideLine sideLine(double a, double b, double c, double error, const GridSize& g,
   return side;
 }
 
-/// `line` is the side's, unscaled, and `along` its direction. By docs/error-model.md §7.2 with the
+/// `line` is the side's, unscaled, and `along` its direction. By docs/error-model/motion.md §2 with the
 /// plane through the edge that is farthest from the eye.
 void addSway(SideLine& side, const EdgeLine& line, const EdgeVector& along, const EyeMotion& m,
              const GridSize& g) {
@@ -280,7 +280,7 @@ struct Places {
 };
 
 /// At least how far motion carries a vertex over the image: |row - at * w row| / least w, where
-/// `row` is that of u or v and `at` the vertex's place on it. docs/error-model.md §7.
+/// `row` is that of u or v and `at` the vertex's place on it. docs/error-model/motion.md.
 double carried(const std::array<double, 3>& row, double row_length, double at, double least_w,
                const EyeMotion& m) {
   double squares = 0.0;

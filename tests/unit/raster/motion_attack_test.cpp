@@ -1,4 +1,4 @@
-// Attacks docs/error-model.md §7: what lies behind a cell that was drawn for a camera in motion
+// Attacks docs/error-model/motion.md: what lies behind a cell that was drawn for a camera in motion
 // must be hidden from every eye within the bound, by a blocking side that the near plane of no pose
 // cuts away. Any camera, transform, place and scale; judged in 113-bit arithmetic.
 #include <numbers>
