@@ -20,7 +20,7 @@ constexpr std::uint32_t kLanes = kTriangleLanes;
 constexpr std::array<float, 64> kNothingProven{};
 
 // Nanoseconds of counted work, measured (docs/planner.md).
-constexpr std::uint64_t kObjectNs = 60, kEightNs = 120, kEdgesNs = 900, kBlockNs = 7;
+constexpr std::uint64_t kObjectNs = 150, kEightNs = 200, kEdgesNs = 1500, kBlockNs = 10;
 constexpr std::uint64_t kLookNs = 50'000;  ///< between two looks at the clock
 
 /// Nearness over the image is at most a * u + b * v + c, and at most `ceiling`.
@@ -109,6 +109,7 @@ class OwnTriangles {
   bool allHidden(const Deadline& deadline, std::uint64_t most_work_ns) {
     deadline_ = &deadline;
     most_work_ns_ = most_work_ns;
+    if (object_.triangles.size() / kLanes * kEightNs > most_work_ns) return false;  // in any case
     return std::all_of(object_.surfaces.begin(), object_.surfaces.end(),
                        [&](const SheetSurface& surface) { return surfaceHidden(surface); });
   }
