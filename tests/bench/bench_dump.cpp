@@ -22,6 +22,7 @@ struct Settings {
   ImageSize image;
   int repeat = 21;
   Demand demand;
+  MotionBound motion;
 };
 
 struct Frame {
@@ -78,6 +79,7 @@ class Bench {
     const DumpCamera& dumped = dump_.cameras[truth.camera];
     auto camera = toCamera(dumped, settings_.image);
     if (!camera) return std::move(camera).error();
+    camera.value().motion = settings_.motion;
     Frame frame;
     frame.camera = truth.camera;
     const Answer answer = culler_->cull(camera.value(), settings_.demand, view_);
@@ -200,6 +202,8 @@ int main(int argc, char** argv) try {
   app.add_option("--height", settings.image.height_px, "pixels")->check(CLI::Range(1, 65536));
   app.add_option("--repeat", settings.repeat, "repetitions of each frame")
       ->check(CLI::Range(1, 10'000));
+  app.add_option("--radius", settings.motion.radius_m, "metres within which the answer holds too")
+      ->check(CLI::NonNegativeNumber);
   app.add_flag("--rectangles", rectangles, "no object is asked by its own triangles");
   app.add_flag("--json", json, "totals only, as one line of JSON");
   CLI11_PARSE(app, argc, argv);
