@@ -120,8 +120,8 @@ SideLine sideLine(double a, double b, double c, double error, const GridSize& g,
   return side;
 }
 
-/// `line` is the side's, unscaled, and `along` its direction. By docs/error-model/motion.md §2 with the
-/// plane through the edge that is farthest from the eye.
+/// `line` is the side's, unscaled, and `along` its direction. By docs/error-model/motion.md §2 with
+/// the plane through the edge that is farthest from the eye.
 void addSway(SideLine& side, const EdgeLine& line, const EdgeVector& along, const EyeMotion& m,
              const GridSize& g) {
   if (!side.usable()) return;
