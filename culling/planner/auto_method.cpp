@@ -70,10 +70,6 @@ class AutoCuller final : public Culler {
     if (plan_->occlusion == nullptr) {
       return frustumAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
     }
-    // What is drawn for one eye proves nothing for the others of a motion bound.
-    if (!camera.motion.still()) {
-      return frustumAnswer(camera, demand, memory, "no occlusion: a motion bound is asked for");
-    }
     if (!memory.watch) memory.watch.emplace(plan_);
     const Culler* occlusion = memory.watch->wantsOcclusion(camera) ? occlusionCuller() : nullptr;
     if (occlusion == nullptr) {

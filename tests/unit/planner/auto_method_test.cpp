@@ -117,16 +117,22 @@ TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
   EXPECT_EQ(culler.error().code, ErrorCode::kUnsupported);
 }
 
-TEST(AutoMethod, LeavesOcclusionOutOfARequestWithAMotionBound) {
-  const CountedMethod frustum = boxes(), hider = hiding(500);
-  const Method* stages[] = {&frustum, &hider};
-  const auto culler = prepared(stages, rowOfObjects(kObjects));
-  Camera camera = at(0);
-  camera.motion.radius_m = 0.5;
-  ViewState view;
-  const Answer answer = culler->cull(camera, {}, view);
-  EXPECT_EQ(answer.made_by, "frustum");
-  EXPECT_EQ(answer.note, "no occlusion: a motion bound is asked for");
+TEST(AutoMethod, WatchesWhatOcclusionBringsUnderAMotionBoundToo) {
+  for (const bool holds_in_motion : {true, false}) {
+    const CountedMethod frustum = boxes();
+    const CountedMethod hider("hider", "triangles", [&](const Camera& camera) {
+      const bool hides = camera.motion.still() || holds_in_motion;
+      return CountedFrame{std::chrono::microseconds(500), kObjects, hides ? 10U : kObjects};
+    });
+    const Method* stages[] = {&frustum, &hider};
+    const auto culler = prepared(stages, rowOfObjects(kObjects));
+    Camera camera = at(0);
+    camera.motion.radius_m = 0.5;
+    ViewState view;
+    Answer answer;
+    for (int frame = 0; frame < 100; ++frame) answer = culler->cull(camera, {}, view);
+    EXPECT_EQ(answer.made_by, holds_in_motion ? "hider" : "frustum");
+  }
 }
 
 TEST(AutoMethod, AnswersEqualSequencesOfCamerasEqually) {
