@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "culling/core/prices.h"
 #include "culling/planner/auto_method.h"
-#include "culling/planner/price.h"
 #include "culling/planner/scene_shape.h"
 #include "culling/spatial/wide_bvh.h"
 

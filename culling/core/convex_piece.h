@@ -2,11 +2,15 @@
 // culling/occluders finds them, culling/raster draws each as one polygon.
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
 
 namespace culld {
+
+/// Parts of more vertices or faces are not worth one polygon.
+inline constexpr std::size_t kMostPieceVertices = 32, kMostPieceFaces = 60;
 
 /// Marks the missing face beside an open edge.
 inline constexpr std::uint8_t kNoFace = 0xFF;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "culling/core/prefetch.h"
+#include "culling/core/prices.h"
 
 namespace culld {
 namespace {
@@ -19,8 +20,6 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
 constexpr std::uint64_t kPieceNs = 1200, kSquareNs = 80;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
-// What sending an object costs its client, as the planner prices it: asking may not cost more.
-constexpr std::uint64_t kAnsweredObjectNs = 50'000, kAnsweredTriangleNs = 10;
 constexpr std::uint64_t kStakeShare = 16;  ///< of the walk's work: asked in vain before it must pay
 constexpr std::uint32_t kAskOneOf = 32;    ///< where it does not
 
@@ -138,53 +137,58 @@ bool RasterWalk::worthDrawing(const CellRect& rect, const OccluderMesh& mesh) co
          mesh.blocking_triangles <= kTrianglesPerCell * cells;
 }
 
-/// False if time ran out on the way: it is checked while a sheet is drawn.
+/// False if time or work ran out on the way.
 bool RasterWalk::drawObject(const RasterItem& item) {
   const Instance& instance = scene_.instance(item.ref.objectId());
   if (!worthDrawing(item.rect, occluders_.mesh(instance.mesh))) return true;
   ++stats_.occluders_drawn;
-  return drawPieces(item, instance) || drawSheet(item, instance);
+  bool in_time = true;
+  return drawPieces(item, instance, in_time) ? in_time : drawSheet(item, instance);
 }
 
-/// False: not all of it is convex pieces that can be drawn as such.
-bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance) {
+/// False: not all of it is convex pieces that can be drawn as such. Those drawn by then stay: each
+/// is proven by itself.
+bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance, bool& in_time) {
   const OccluderMesh& mesh = occluders_.mesh(instance.mesh);
   const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
   if (mesh.piece_count == 0 || wanted == 0) return false;
   const ObjectRows rows =
       objectRows(view_, instance.world_from_mesh, origin_world_, glm::dvec3(mesh.largest));
-  memory_.outlines.resize(mesh.piece_count);
-  std::size_t count = 0;
+  ConvexOutline& outline = memory_.outline;
   for (std::uint32_t i = 0; i < mesh.piece_count; ++i) {
-    const OutlineVerdict verdict =
-        outlineOf(occluders_.piece(mesh.first_piece + i), rows, view_.grid, view_.perspective,
-                  wanted, memory_.outlines[count]);
+    if (i % kItemsPerLook == kItemsPerLook - 1) in_time = workLeft() && !deadline_.passed();
+    if (!in_time) return true;
+    const OutlineVerdict verdict = outlineOf(occluders_.piece(mesh.first_piece + i), rows,
+                                             view_.grid, view_.perspective, wanted, outline);
+    drawing_ns_ += kPieceNs;
     if (verdict == OutlineVerdict::kNeedSheet) return false;
-    if (verdict == OutlineVerdict::kDraw) ++count;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    const ConvexOutline& outline = memory_.outlines[i];
-    const std::uint32_t squares = drawOutline(outline, item.nearest, memory_.cells);
+    if (verdict == OutlineVerdict::kNothing) continue;
     stats_.triangles_drawn += outline.triangles;
-    drawing_ns_ += kPieceNs + kSquareNs * squares;
+    drawing_ns_ += kSquareNs * drawOutline(outline, item.nearest, memory_.cells);
   }
   return true;
 }
 
-/// False if time ran out on the way.
-bool RasterWalk::drawSheet(const RasterItem& item, const Instance& instance) {
+/// Valid until the next call.
+SheetObject RasterWalk::sheetObject(const RasterItem& item, const Instance& instance,
+                                    bool blocking_only) {
   const Mesh& mesh = scene_.mesh(instance.mesh);
   memory_.surfaces.clear();
   for (const Surface& s : mesh.surfaces) {
-    if (s.blocks) memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
+    if (blocking_only && !s.blocks) continue;
+    memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
   }
-  const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
-                           memory_.surfaces, instance.world_from_mesh, largestOf(mesh),
-                           item.nearest};
+  return {mesh.positions,           mesh.triangles,  mesh.partners, memory_.surfaces,
+          instance.world_from_mesh, largestOf(mesh), item.nearest};
+}
+
+/// False if time ran out on the way.
+bool RasterWalk::drawSheet(const RasterItem& item, const Instance& instance) {
+  const SheetObject object = sheetObject(item, instance, true);
   const DrawnSheet drawn =
       memory_.sheets.draw(object, view_, origin_world_, deadline_, memory_.cells);
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += kVertexNs * mesh.positions.size() + kTriangleNs * drawn.triangles +
+  drawing_ns_ += kVertexNs * object.positions.size() + kTriangleNs * drawn.triangles +
                  kDrawingWorkNs * drawn.work;
   return !drawn.out_of_time;
 }
@@ -215,7 +219,7 @@ void RasterWalk::run(Answer& answer) {
   bool in_time = true;
   for (std::uint32_t taken = 0; in_time && !memory_.queue.empty(); ++taken) {
     if (taken % kItemsPerLook == 0) in_time = !deadline_.passed();
-    if (in_time) in_time = takeNearest() && (most_work_.count() == 0 || work() < most_work_);
+    if (in_time) in_time = takeNearest() && workLeft();
   }
   if (!in_time) {
     keepTheRest(answer);
@@ -271,19 +275,14 @@ bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budge
   const Instance& instance = scene_.instance(item.ref.objectId());
   const Mesh& mesh = scene_.mesh(instance.mesh);
   if (mesh.points_and_lines != 0) return false;
-  memory_.surfaces.clear();
-  for (const Surface& s : mesh.surfaces) {
-    memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
-  }
-  const SheetObject object{mesh.positions,   mesh.triangles,           mesh.partners,
-                           memory_.surfaces, instance.world_from_mesh, largestOf(mesh),
-                           item.nearest};
-  const std::uint64_t worth_ns = kAnsweredObjectNs + kAnsweredTriangleNs * mesh.triangles.size();
+  const SheetObject object = sheetObject(item, instance, false);
+  const auto worth_ns = static_cast<std::uint64_t>(kObjectPrice.count()) +
+                        static_cast<std::uint64_t>(kTrianglePrice.count()) * mesh.triangles.size();
   const OwnTriangleVerdict verdict =
       ownTrianglesHidden(object, asked_view_, origin_world_, deadline_, worth_ns, memory_.cells);
   asking_ns_ += verdict.work_ns;
   if (verdict.hidden) saved_ns_ += worth_ns;
-  out_of_budget = verdict.out_of_time || (most_work_.count() != 0 && work() >= most_work_);
+  out_of_budget = verdict.out_of_time || !workLeft();
   return verdict.hidden;
 }
 

@@ -34,7 +34,7 @@ struct RasterMemory final : ViewState::Memory {
   std::vector<RasterItem> queue;       ///< a heap, nearest on top
   std::vector<RasterItem> candidates;  ///< objects not hidden by what was drawn before them
   std::vector<SheetSurface> surfaces;
-  std::vector<ConvexOutline> outlines;
+  ConvexOutline outline;
 };
 
 class RasterWalk {
@@ -56,8 +56,10 @@ class RasterWalk {
   void takeHidden(const RasterItem& item);
   bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const;
   bool drawObject(const RasterItem& item);
-  bool drawPieces(const RasterItem& item, const Instance& instance);
+  bool drawPieces(const RasterItem& item, const Instance& instance, bool& in_time);
   bool drawSheet(const RasterItem& item, const Instance& instance);
+  SheetObject sheetObject(const RasterItem& item, const Instance& instance, bool blocking_only);
+  bool workLeft() const { return most_work_.count() == 0 || work() < most_work_; }
   void keepTheRest(Answer& answer);
   std::chrono::nanoseconds work() const;
   void push(const RasterItem& item);

@@ -134,13 +134,13 @@ class PieceFinder {
   bool addPart(std::span<const std::uint32_t> triangles) {
     part_vertices_.clear();
     part_faces_.clear();
-    if (triangles.size() > 2 * ConvexPieces::kMostFaces) return false;
+    if (triangles.size() > 2 * kMostPieceFaces) return false;
     for (const std::uint32_t t : triangles) {
       for (const std::uint32_t v : mesh_.triangles[t]) vertexNumber(v);
       if (face_.find(t) == t) part_faces_.push_back(t);
     }
-    const bool small = part_vertices_.size() <= ConvexPieces::kMostVertices &&
-                       part_faces_.size() <= ConvexPieces::kMostFaces;
+    const bool small =
+        part_vertices_.size() <= kMostPieceVertices && part_faces_.size() <= kMostPieceFaces;
     if (small) {
       for (const std::uint32_t face : part_faces_) addFace(face);
       for (const std::uint32_t t : triangles) addEdges(t);

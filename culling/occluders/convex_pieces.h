@@ -11,11 +11,9 @@ namespace culld {
 
 class ConvexPieces {
  public:
-  /// Parts of more vertices or faces are not worth one polygon.
-  static constexpr std::size_t kMostVertices = 32, kMostFaces = 60;
-
-  /// Empty unless every blocking triangle of the mesh belongs to such a part: the others have to be
-  /// drawn as sheets anyway. COST: O(triangles).
+  /// Empty unless every blocking triangle of the mesh belongs to such a part, of at most
+  /// kMostPieceVertices and kMostPieceFaces: the others have to be drawn as sheets anyway. COST:
+  /// O(triangles).
   static ConvexPieces of(const Mesh& mesh);
 
   std::size_t size() const noexcept { return ends_.size(); }

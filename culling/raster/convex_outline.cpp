@@ -9,11 +9,9 @@
 namespace culld {
 namespace {
 
-constexpr std::size_t kMostVertices = 32, kMostFaces = 60;
-
 /// What a piece is on its way to an outline.
 struct Setup {
-  std::array<CellVertex, kMostVertices> vertices;
+  std::array<CellVertex, kMostPieceVertices> vertices;
   std::uint64_t front = 0;                     ///< bit f: face f surely turns to the eye
   bool beyond_near = true, before_far = true;  ///< all vertices surely are
   GridSize grid;
@@ -147,7 +145,7 @@ bool addSway(ConvexOutline& out) {
 OutlineVerdict outlineOf(const ConvexPiece& piece, const ObjectRows& rows, const CellGrid& grid,
                          bool perspective, int wanted, ConvexOutline& out) noexcept {
   out.side_count = out.plane_count = out.triangles = 0;
-  if (piece.vertices.size() > kMostVertices || piece.faces.size() > kMostFaces) {
+  if (piece.vertices.size() > kMostPieceVertices || piece.faces.size() > kMostPieceFaces) {
     return OutlineVerdict::kNeedSheet;
   }
   Setup setup;

@@ -233,12 +233,6 @@ bool OwnTriangles::rowHidden(const TriangleBlocks& blocks, const NearestPlane& n
   return true;
 }
 
-/// Bits of the cells within [first, last] of the eight from `begin` on.
-std::uint64_t bitsWithin(std::uint32_t first, std::uint32_t last, std::uint32_t begin) {
-  const std::uint32_t low = std::max(first, begin) - begin, high = std::min(last - begin, 7U);
-  return (0xFFU << low & 0xFFU) & (0xFFU >> (7 - high));
-}
-
 bool OwnTriangles::blockHidden(const TriangleBlocks& blocks, const NearestPlane& nearest,
                                const ProjectedTriangle& projected, std::uint32_t block_x,
                                std::uint32_t block_y) {
@@ -248,14 +242,8 @@ bool OwnTriangles::blockHidden(const TriangleBlocks& blocks, const NearestPlane&
   if (!blocks.part(block_x, block_y, part_)) return true;
   const float* nearness = cells_.used(block) ? cells_.cells(block) : kNothingProven.data();
   const std::uint64_t open = cellsNotHiding(part_, nearest.in(block_x, block_y), least, nearness);
-  const std::uint64_t columns =
-      bitsWithin(projected.cell_x0, projected.cell_x1, block_x * kBlockSide) * 0x0101010101010101U;
-  const std::uint64_t rows = bitsWithin(projected.cell_y0, projected.cell_y1, block_y * kBlockSide);
-  std::uint64_t row_bits = 0;
-  for (std::uint32_t j = 0; j < 8; ++j) {
-    if (rows >> j & 1U) row_bits |= std::uint64_t{0xFF} << (8 * j);
-  }
-  return (open & columns & row_bits) == 0;
+  const CellRect cells{projected.cell_x0, projected.cell_x1, projected.cell_y0, projected.cell_y1};
+  return (open & squareMask(cells, block_x * kBlockSide, block_y * kBlockSide)) == 0;
 }
 
 }  // namespace

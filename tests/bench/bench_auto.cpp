@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "culling/core/prices.h"
 #include "culling/culler.h"
 #include "culling/planner/auto_method.h"
-#include "culling/planner/price.h"
 #include "culling/scene/gltf_loader.h"
 #include "culling/spatial/frustum_walk.h"
 #include "protocol/camera_file.h"

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "culling/methods/frustum.h"
+#include "culling/scene/scene_builder.h"
+#include "tests/scenes/shapes.h"
 #include "tests/unit/spatial/box_scene.h"
 
 namespace culld::testing {
@@ -55,6 +57,39 @@ TEST(Raster, PricesItsWork) {
   const auto without = frustum.value()->cull(lookingFrom(0), {}, other).stats;
   EXPECT_GT(without.work.count(), 0);
   EXPECT_GT(with.work, without.work);
+}
+
+/// One object whose mesh is `side` x `side` boxes side by side.
+SnapshotPtr wallOfBoxes(int side) {
+  scenes::Triangles wall;
+  const scenes::Triangles box = scenes::box(glm::vec3(0), glm::vec3(0.5F));
+  for (int i = 0; i < side * side; ++i) {
+    scenes::append(wall, box, scenes::movedBy({i % side - side / 2, i / side - side / 2, 0}));
+  }
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({{wall.positions, wall.indices, true, false}}));
+  builder.addInstance(mesh, scenes::kIdentity, 0);
+  return builder.finish();
+}
+
+TEST(Raster, StopsWithinAMeshOfManyPieces) {
+  const SnapshotPtr scene = wallOfBoxes(64);
+  const auto raster = rasterMethod().prepare(scene);
+  ASSERT_TRUE(raster.ok());
+  LookAt look;
+  look.eye = {0, 0, 60};
+  const Camera camera = cameraFromLookAt(look, {}).value();
+  ViewState one, other;
+  const Answer whole = raster.value()->cull(camera, {}, one);
+  EXPECT_FALSE(whole.out_of_budget);
+  EXPECT_GE(whole.stats.triangles_drawn, 64U * 64U);
+  Demand short_of_work;
+  short_of_work.work = whole.stats.work / 8;
+  const Answer cut = raster.value()->cull(camera, short_of_work, other);
+  EXPECT_TRUE(cut.out_of_budget);
+  EXPECT_EQ(cut.visible, whole.visible);
+  EXPECT_GT(cut.stats.triangles_drawn, 0U);
+  EXPECT_LT(cut.stats.work, 2 * short_of_work.work);
 }
 
 }  // namespace
