@@ -13,11 +13,12 @@
 #include "tests/cases/case.h"
 #include "tests/cases/curve_files.h"
 #include "tests/cases/runner.h"
+#include "tests/scenes/rounds.h"
 
 namespace culld::cases {
 namespace {
 
-constexpr std::uint64_t kSeeds = 3;
+constexpr std::uint64_t kSeeds = scenes::rounds(3);
 
 class Families : public testing::TestWithParam<std::size_t> {
  protected:

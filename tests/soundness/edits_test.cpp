@@ -9,6 +9,7 @@
 #include "culling/scene/edit.h"
 #include "culling/scene/scene_builder.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/rounds.h"
 #include "tests/soundness/judge.h"
 
 namespace culld {
@@ -60,7 +61,7 @@ class RandomEdits {
 };
 
 TEST(Edits, ARefittedCullerMissesNothingAndAnswersNoHiddenObject) {
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(40); ++seed) {
     SnapshotPtr scene = scenes::randomScene(seed);
     std::vector<PreparedMethod> methods = prepareAll(scene);
     RandomEdits edits(seed);

@@ -10,6 +10,7 @@
 #include "tests/scenes/landscapes.h"
 #include "tests/scenes/random.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/rounds.h"
 #include "tests/soundness/judge.h"
 
 namespace culld {
@@ -59,7 +60,7 @@ double usualSize(const SceneSnapshot& scene) {
 
 TEST(MotionBounds, NoMethodLacksWhatAPoseWithinTheBoundSees) {
   Tally tally;
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(40); ++seed) {
     const SnapshotPtr scene = scenes::randomScene(seed);
     const auto oracle = Oracle::build(scene);
     ASSERT_TRUE(oracle.ok());

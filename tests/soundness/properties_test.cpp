@@ -9,6 +9,7 @@
 #include "culling/scene/edit.h"
 #include "tests/scenes/random.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/rounds.h"
 #include "tests/soundness/judge.h"
 
 namespace culld {
@@ -18,7 +19,7 @@ using scenes::CameraSpec;
 using scenes::Model;
 using scenes::Rows;
 
-constexpr std::uint64_t kSeeds = 120;
+constexpr std::uint64_t kSeeds = scenes::rounds(120);
 
 /// Not so far out that moving the scene would round away what can be seen.
 Model usualModel(std::uint64_t seed) {

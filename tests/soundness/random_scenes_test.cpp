@@ -4,12 +4,13 @@
 
 #include "culling/core/simd.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/rounds.h"
 #include "tests/soundness/judge.h"
 
 namespace culld {
 namespace {
 
-constexpr std::uint64_t kScenes = 1000;
+constexpr std::uint64_t kScenes = scenes::rounds(1000);
 constexpr std::size_t kCamerasPerScene = 3;
 
 struct Tally {
@@ -58,7 +59,7 @@ TEST(RandomScenes, NoMethodLacksAnObjectThatTheOracleSees) {
 }
 
 TEST(RandomScenes, EveryTargetGivesTheSameAnswer) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(60); ++seed) {
     const SnapshotPtr scene = scenes::randomScene(seed);
     std::vector<PreparedMethod> methods = prepareAll(scene);
     for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, kCamerasPerScene)) {
@@ -79,7 +80,7 @@ TEST(RandomScenes, EveryTargetGivesTheSameAnswer) {
 }
 
 TEST(RandomScenes, DroppingTheViewStateChangesNothing) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(60); ++seed) {
     const SnapshotPtr scene = scenes::randomScene(seed);
     for (PreparedMethod& method : prepareAll(scene)) {
       if (method.name == "auto") continue;  // the one method that learns from what a view has seen
