@@ -10,6 +10,7 @@
 
 #include "culling/core/result.h"
 #include "culling/scene/gltf_loader.h"
+#include "server/access_options.h"
 #include "server/limits.h"
 #include "server/scene.h"
 
@@ -24,6 +25,8 @@ struct ServerOptions {
   std::size_t threads = 0;  ///< for culling; 0: as many as cores
   Methods methods;
   ServerLimits limits;
+  AccessOptions access;
+  TlsOptions tls;
   LoadOptions load;
 };
 
