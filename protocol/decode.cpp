@@ -92,7 +92,8 @@ SceneInfo read(Reader& in, const fbs::SceneInfo& s) {
 }
 
 Hello read(Reader& in, const fbs::Hello& m) {
-  return {m.proto_min(), m.proto_max(), in.text(m.client(), "client")};
+  return {m.proto_min(), m.proto_max(), in.text(m.client(), "client"),
+          static_cast<Features>(m.features())};
 }
 
 Welcome read(Reader& in, const fbs::Welcome& m) {
@@ -103,7 +104,16 @@ Welcome read(Reader& in, const fbs::Welcome& m) {
     out.limits = {m.limits()->max_message_bytes(), m.limits()->max_views(),
                   m.limits()->max_edits_per_request(), m.limits()->idle_timeout_ms()};
   }
+  if (const fbs::MoreLimits* more = m.more_limits()) {
+    out.limits.max_requests_in_flight = more->max_requests_in_flight();
+    out.limits.max_waiting_edits = more->max_waiting_edits();
+    out.limits.max_messages_per_s = more->max_messages_per_s();
+    out.limits.max_text_bytes = more->max_text_bytes();
+    out.limits.max_image_side_px = more->max_image_side_px();
+    out.limits.kept_frames = more->kept_frames();
+  }
   if (in.has(m.scene(), "welcome.scene")) out.scene = read(in, *m.scene());
+  out.features = static_cast<Features>(m.features());
   return out;
 }
 
@@ -151,6 +161,7 @@ CameraUpdate read(Reader& in, const fbs::CameraUpdate& m) {
   CameraUpdate out;
   out.view = m.view();
   out.ack_frame = m.ack_frame();
+  out.deadline_us = m.deadline_us();
   if (in.has(m.camera(), "camera")) out.camera = read(in, *m.camera());
   if (const fbs::Demand* d = m.demand()) {
     out.demand = {in.guarantee(d->guarantee()), d->hole_px(), d->accepted_missed_px(),
@@ -272,6 +283,8 @@ Body readBody(Reader& in, const fbs::Message& m) {
                         in.text(m.body_as_ErrorReply()->message(), "error")};
     case fbs::Body::GoAway:
       return GoAway{in.text(m.body_as_GoAway()->reason(), "reason")};
+    case fbs::Body::Cancel:
+      return Cancel{m.body_as_Cancel()->request_id()};
     case fbs::Body::NONE:
       break;
   }

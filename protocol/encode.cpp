@@ -24,6 +24,8 @@ Offset<String> text(FlatBufferBuilder& out, const std::string& s) {
 
 fbs::Guarantee guarantee(Guarantee g) { return static_cast<fbs::Guarantee>(g); }
 
+fbs::Feature features(Features bits) { return static_cast<fbs::Feature>(bits); }
+
 fbs::Vec3 vec3(const std::array<double, 3>& v) { return fbs::Vec3(v[0], v[1], v[2]); }
 
 Offset<fbs::SceneInfo> write(FlatBufferBuilder& out, const SceneInfo& s) {
@@ -33,7 +35,8 @@ Offset<fbs::SceneInfo> write(FlatBufferBuilder& out, const SceneInfo& s) {
 
 Written write(FlatBufferBuilder& out, const Hello& m) {
   const auto client = text(out, m.client);
-  return {fbs::Body::Hello, fbs::CreateHello(out, m.proto_min, m.proto_max, client).Union()};
+  return {fbs::Body::Hello,
+          fbs::CreateHello(out, m.proto_min, m.proto_max, client, features(m.features)).Union()};
 }
 
 Written write(FlatBufferBuilder& out, const Welcome& m) {
@@ -41,7 +44,12 @@ Written write(FlatBufferBuilder& out, const Welcome& m) {
   const auto scene = write(out, m.scene);
   const fbs::Limits limits(m.limits.max_message_bytes, m.limits.max_views,
                            m.limits.max_edits_per_request, m.limits.idle_timeout_ms);
-  return {fbs::Body::Welcome, fbs::CreateWelcome(out, m.protocol, server, &limits, scene).Union()};
+  const auto more = fbs::CreateMoreLimits(
+      out, m.limits.max_requests_in_flight, m.limits.max_waiting_edits, m.limits.max_messages_per_s,
+      m.limits.max_text_bytes, m.limits.max_image_side_px, m.limits.kept_frames);
+  return {fbs::Body::Welcome,
+          fbs::CreateWelcome(out, m.protocol, server, &limits, scene, features(m.features), more)
+              .Union()};
 }
 
 Written write(FlatBufferBuilder& out, const OpenView& m) {
@@ -87,7 +95,7 @@ Written write(FlatBufferBuilder& out, const CameraUpdate& m) {
   const auto demand = fbs::CreateDemand(out, guarantee(m.demand.guarantee), m.demand.hole_px,
                                         m.demand.accepted_missed_px, m.demand.time_us);
   return {fbs::Body::CameraUpdate,
-          fbs::CreateCameraUpdate(out, m.view, camera, demand, m.ack_frame).Union()};
+          fbs::CreateCameraUpdate(out, m.view, camera, demand, m.ack_frame, m.deadline_us).Union()};
 }
 
 Written write(FlatBufferBuilder& out, const Answer& m) {
@@ -152,6 +160,10 @@ Written write(FlatBufferBuilder& out, const ErrorReply& m) {
 Written write(FlatBufferBuilder& out, const GoAway& m) {
   const auto reason = text(out, m.reason);
   return {fbs::Body::GoAway, fbs::CreateGoAway(out, reason).Union()};
+}
+
+Written write(FlatBufferBuilder& out, const Cancel& m) {
+  return {fbs::Body::Cancel, fbs::CreateCancel(out, m.request_id).Union()};
 }
 
 }  // namespace

@@ -23,6 +23,13 @@ struct Limits {
   std::uint32_t max_views = kMaxViews;
   std::uint32_t max_edits_per_request = kMaxEdits;
   std::uint32_t idle_timeout_ms = 0;
+  // 0: the server does not tell.
+  std::uint32_t max_requests_in_flight = 0;
+  std::uint32_t max_waiting_edits = 0;
+  std::uint32_t max_messages_per_s = 0;
+  std::uint32_t max_text_bytes = 0;
+  std::uint32_t max_image_side_px = 0;
+  std::uint32_t kept_frames = 0;
   bool operator==(const Limits&) const = default;
 };
 
@@ -35,9 +42,16 @@ struct SceneInfo {
   bool operator==(const SceneInfo&) const = default;
 };
 
+/// Bits of Hello::features and Welcome::features; bits that a peer does not know mean nothing to
+/// it.
+using Features = std::uint64_t;
+inline constexpr Features kFeatureCancel = 1;     ///< Cancel is understood
+inline constexpr Features kFeatureDeadlines = 2;  ///< CameraUpdate::deadline_us is heeded
+
 struct Hello {
   std::uint32_t proto_min = 0, proto_max = 0;
   std::string client;
+  Features features = 0;
   bool operator==(const Hello&) const = default;
 };
 
@@ -46,6 +60,7 @@ struct Welcome {
   std::string server;
   Limits limits;
   SceneInfo scene;
+  Features features = 0;
   bool operator==(const Welcome&) const = default;
 };
 
@@ -107,7 +122,8 @@ struct CameraUpdate {
   std::uint32_t view = 0;
   Camera camera;
   Demand demand;
-  std::uint32_t ack_frame = 0;  ///< newest frame of this view that the client holds; 0: none
+  std::uint32_t ack_frame = 0;    ///< newest frame of this view that the client holds; 0: none
+  std::uint32_t deadline_us = 0;  ///< from its arrival, for the cull to begin; 0: none
   bool operator==(const CameraUpdate&) const = default;
 };
 
@@ -197,6 +213,10 @@ enum class WireCode : std::uint16_t {
   kConflict = 12,
   kInternal = 13,
   kUnavailable = 14,
+  kForbidden = 15,
+  kQuotaExceeded = 16,
+  kDeadlineExceeded = 17,
+  kCancelled = 18,
 };
 
 /// "invalid-camera", ...; "error 99" for a code that this build does not know.
@@ -213,8 +233,15 @@ struct GoAway {
   bool operator==(const GoAway&) const = default;
 };
 
-using Body = std::variant<Hello, Welcome, OpenView, ViewOpened, CloseView, ViewClosed, CameraUpdate,
-                          Answer, Edit, Edited, Ping, Pong, SceneChanged, ErrorReply, GoAway>;
+/// Has no reply of its own: the request that it names gets one reply in any case.
+struct Cancel {
+  std::uint64_t request_id = 0;
+  bool operator==(const Cancel&) const = default;
+};
+
+using Body =
+    std::variant<Hello, Welcome, OpenView, ViewOpened, CloseView, ViewClosed, CameraUpdate, Answer,
+                 Edit, Edited, Ping, Pong, SceneChanged, ErrorReply, GoAway, Cancel>;
 
 /// Replies carry the id of the request they answer; what the server sends unasked has id 0.
 struct Message {

@@ -56,12 +56,12 @@ std::vector<Body> everyBody() {
   finite.zfar_m = 100.0;
   Camera look;
   look.pose = finite;
-  CameraUpdate by_matrix{8, matrixCamera(), {Guarantee::kHole, 2.0F, 1.5F, 4000}, 6};
+  CameraUpdate by_matrix{8, matrixCamera(), {Guarantee::kHole, 2.0F, 1.5F, 4000}, 6, 16'667};
   EditItem move{EditKind::kMove, 4, {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}};
   EditItem hide{EditKind::kHide, 5, {}};
   const SceneInfo scene{"city", 7, 0x0123456789ABCDEFULL, 120'000, 10'900'000};
-  return {Hello{1, 3, "test"},
-          Welcome{1, "culld/0", {1024, 2, 3, 4}, scene},
+  return {Hello{1, 3, "test", kFeatureCancel | 1ULL << 63U},
+          Welcome{1, "culld/0", {1024, 2, 3, 4, 5, 6, 7, 8, 9, 10}, scene, kFeatureDeadlines},
           OpenView{2, "frustum", true},
           ViewOpened{2, "frustum", Guarantee::kApproximate},
           CloseView{2},
@@ -76,7 +76,8 @@ std::vector<Body> everyBody() {
           Pong{78},
           SceneChanged{scene, true},
           ErrorReply{WireCode::kInvalidCamera, "view 1: eye.x is not finite"},
-          GoAway{"bye"}};
+          GoAway{"bye"},
+          Cancel{1ULL << 40U}};
 }
 
 TEST(Codec, GivesBackEveryMessage) {
