@@ -63,20 +63,6 @@ class Faults : public ServerTest {
     return nlohmann::json::parse(reply.body).value("objects", std::uint64_t{0});
   }
 
-  /// Connections that the daemon holds, this question's own not counted.
-  double heldConnections() const {
-    const std::string text = request(port(), "GET", "/metrics").body;
-    const auto at = text.find("\nculld_connections ");
-    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + 19)) - 1.0;
-  }
-
-  void awaitNoConnections(std::chrono::seconds limit) const {
-    const auto until = std::chrono::steady_clock::now() + limit;
-    while (heldConnections() > 0 && std::chrono::steady_clock::now() < until) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  }
-
   void expectNothingLeftBehind() {
     proxy.reset();
     awaitNoConnections(std::chrono::seconds(8));

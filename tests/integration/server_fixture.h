@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "server/server.h"
 #include "tests/integration/raw_client.h"
@@ -43,6 +45,20 @@ class ServerTest : public ::testing::Test {
   }
   std::uint16_t port() const { return server->port(); }
   RawSocket socket() const { return RawSocket::tcp(port()); }
+
+  /// Connections that the daemon holds, this question's own not counted.
+  double heldConnections() const {
+    const std::string text = request(port(), "GET", "/metrics").body;
+    const auto at = text.find("\nculld_connections ");
+    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + 19)) - 1.0;
+  }
+
+  void awaitNoConnections(std::chrono::seconds limit) const {
+    const auto until = std::chrono::steady_clock::now() + limit;
+    while (heldConnections() > 0 && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
 
   /// Triangles in a row, one per node.
   static std::string rowGlb(std::uint32_t objects) {
