@@ -15,6 +15,13 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/tests/install -B ${WORK}/consumer -G Ninja
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)
 
+# Every installed header stands alone, with what was installed and the standard library.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/moved/include/culld-client ${WORK}/moved/include/culld-client/*.h)
+foreach(header ${headers})
+  file(WRITE ${WORK}/alone.cpp "#include \"${header}\"\n")
+  run(${CXX} -std=c++20 -Wall -Wextra -Werror -fsyntax-only -I${WORK}/moved/include/culld-client ${WORK}/alone.cpp)
+endforeach()
+
 file(GLOB_RECURSE pc ${WORK}/moved/*culld-client.pc)
 cmake_path(GET pc PARENT_PATH pc_folder)
 set(ENV{PKG_CONFIG_PATH} ${pc_folder})

@@ -1,0 +1,38 @@
+# Debian packages of the installed components: `cpack --config build/release/CPackConfig.cmake -B OUT`.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME culld)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL daemon cli sdk)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+# culld_package(COMPONENT NAME SECTION SUMMARY LINES...): and the files that every Debian package has.
+macro(culld_package component name section)
+  string(TOUPPER ${component} key)
+  set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section})
+  string(REPLACE ";" "\n" CPACK_DEBIAN_${key}_DESCRIPTION "${ARGN}")
+  install(FILES packaging/debian/copyright ${PROJECT_BINARY_DIR}/packaging/changelog.Debian.gz
+    DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${name} COMPONENT ${component} EXCLUDE_FROM_ALL)
+endmacro()
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")  # each package has its own
+
+culld_package(daemon culld net
+  "visibility server: which objects can a camera see?"
+  "culld holds glTF scenes. A client sends a camera and gets back the objects"
+  "that this camera can see. An object is left out only with a proof that it"
+  "cannot be seen.")
+culld_package(cli cullctl net
+  "command line client of the visibility server culld"
+  "cullctl uploads and describes scenes, sends cameras to a server and writes"
+  "what it answers.")
+culld_package(sdk libculld-client-dev libdevel
+  "client SDK of the visibility server culld"
+  "Headers and libraries for programs that ask culld which objects a camera can"
+  "see, with a CMake package and a pkg-config file.")
+set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS cullctl)
+include(CPack)
