@@ -42,7 +42,7 @@ depends cullctl libc6 libstdc++6
 ! dpkg-deb -f cullctl_*.deb Depends | grep -qE 'embree|draco|hwy|meshopt' || die "cullctl: depends on what only the daemon needs"
 holds libculld-client-dev /usr/lib/libculld_client.a /usr/lib/pkgconfig/culld-client.pc \
   /usr/include/culld-client/culld/connection.h /usr/include/culld-client/protocol/messages.h
-[ "$(find . -name "*.deb" | wc -l)" = 3 ] || die "packages: $(echo ./*.deb)"
+[ "$(find . -maxdepth 1 -name "*.deb" | wc -l)" = 3 ] || die "packages: $(echo ./*.deb)"
 
 # Not for upload to Debian, so no bug is closed by it; and not multi-arch.
 lintian --allow-root --fail-on error,warning --suppress-tags initial-upload-closes-no-bugs,pkg-config-unavailable-for-cross-compilation ./*.deb ||
