@@ -9,6 +9,9 @@ namespace culld::server {
 
 using StreamSocket = boost::asio::generic::stream_protocol::socket;
 
+/// "192.0.2.1:51234", "unix", or "gone".
+std::string peerName(const StreamSocket& socket);
+
 /// Speaks HTTP/1.1 until the connection ends or becomes a live one. Owns itself.
 /// REQUIRES: the I/O thread; `context` outlives all connections.
 void serveHttp(StreamSocket socket, Context& context);

@@ -2,12 +2,14 @@
 #pragma once
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <set>
 #include <string>
 
 #include "culling/core/clock.h"
 #include "server/limits.h"
+#include "server/log.h"
 #include "server/metrics.h"
 #include "server/scene_store.h"
 #include "server/worker_pool.h"
@@ -26,11 +28,12 @@ class LivePeer {
 };
 
 struct Context {
-  const ServerLimits limits;
+  ServerLimits limits;  ///< THREADS: the I/O thread
   const std::string server_name;
   const Clock& clock;
   SceneStore& store;
   Metrics& metrics;
+  Log& log;
   WorkerPool& workers;  ///< culling and edits
   WorkerPool& loaders;  ///< uploads: slow, so they do not keep cameras waiting
   /// Runs on the I/O thread, soon. THREADS: any.
@@ -39,7 +42,8 @@ struct Context {
 
   // THREADS: the I/O thread, but for the atomics.
   std::set<LivePeer*> live;
-  std::size_t busy_requests = 0;  ///< HTTP requests under way
+  std::size_t busy_requests = 0;     ///< HTTP requests under way
+  std::uint64_t sessions_begun = 0;  ///< live ones, since the start; numbers them in the log
   std::atomic<bool> ready{false};
   std::atomic<bool> draining{false};
 

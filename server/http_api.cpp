@@ -199,7 +199,7 @@ std::string sceneJson(const std::string& name, const SceneEntry& entry) {
 }
 
 HttpReply errorReply(unsigned status, const std::string& message) {
-  return {status, "application/json", dump({{"error", protocol::oneLine(message)}}), {}};
+  return {status, "application/json", dump({{"error", protocol::oneLine(message)}}), {}, message};
 }
 
 HttpReply errorReply(const Error& error) {

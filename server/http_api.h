@@ -15,6 +15,7 @@ struct HttpReply {
   std::string content_type = "application/json";
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::string error = {};  ///< of an errorReply(), for the log
 };
 
 /// {"error": message} with a status.

@@ -245,6 +245,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     part_.reset();
     body_.reset();
     stream_.expires_never();
+    uploaded_bytes_ = upload_->size();
     context_.loaders.post([self = shared_from_this()]() mutable {
       Context& context = self->context_;
       auto made = std::make_shared<HttpReply>(self->guarded(
@@ -258,7 +259,37 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   // --- reply -------------------------------------------------------------------------------------
 
+  /// Paths are without queries, and headers are not told: what lets somebody in may stand there.
+  void tell(const HttpReply& made) {
+    const auto peer = peerName(stream_.socket());
+    if (made.status >= 400) {
+      const std::string path = route_.path.substr(0, 200);
+      if (made.status == 500) {
+        return context_.log.error("request failed", {{"method", method_},
+                                                     {"path", path},
+                                                     {"status", made.status},
+                                                     {"peer", peer},
+                                                     {"error", made.error}});
+      }
+      context_.log.info("request refused", {{"method", method_},
+                                            {"path", path},
+                                            {"status", made.status},
+                                            {"peer", peer},
+                                            {"error", made.error}});
+    } else if (method_ == "PUT") {
+      context_.log.info("scene uploaded", {{"scene", route_.scene},
+                                           {"peer", peer},
+                                           {"bytes", uploaded_bytes_},
+                                           {"replaced", made.status == 200}});
+    } else if (method_ == "DELETE") {
+      context_.log.info("scene removed", {{"scene", route_.scene}, {"peer", peer}});
+    } else {
+      context_.log.debug("request", {{"method", method_}, {"path", route_.path}, {"peer", peer}});
+    }
+  }
+
   void reply(HttpReply made) {
+    tell(made);
     context_.metrics.httpRequest(method_, made.status);
     response_.emplace(static_cast<http::status>(made.status), version_);
     response_->set(http::field::server, context_.server_name);
@@ -323,6 +354,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::optional<Upload> upload_;
   std::unique_ptr<std::array<std::byte, kPartBytes>> part_;
   std::chrono::nanoseconds upload_started_{0};
+  std::uint64_t uploaded_bytes_ = 0;
   std::string method_;
   Route route_;
   unsigned version_ = 11;

@@ -95,6 +95,7 @@ void cullInto(CullOutcome& outcome, const Clock& clock) {
   const auto queued = clock.now() - job.received;
   Answer answer = culler.value()->cull(job.camera, job.demand, state);
   outcome.report = reportOn(job, *method.value(), answer);
+  outcome.report.queued = queued;
   outcome.message = protocol::encode(
       {job.request_id, answerMessage(job, *method.value(), answer, outcome.report, queued)});
   outcome.report.bytes = outcome.message.size();

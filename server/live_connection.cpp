@@ -10,6 +10,7 @@
 #include "protocol/version.h"
 #include "server/connections.h"
 #include "server/session.h"
+#include "server/session_log.h"
 
 namespace culld::server {
 namespace {
@@ -28,6 +29,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   LiveConnection(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
                  Context& context)
       : context_(context),
+        log_(std::make_shared<SessionLog>(peerName(socket), scene->name(), socket.get_executor(),
+                                          context)),
         socket_(Stream(std::move(socket))),
         hello_timer_(socket_.get_executor()),
         request_(std::move(request)),
@@ -61,6 +64,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
                          [self = shared_from_this()](beast::error_code failure) {
                            if (failure || self->ended_) return self->end();
                            self->accepted_ = true;
+                           self->log_->opened();
                            self->request_ = {};
                            self->awaitHello();
                            self->read();
@@ -91,13 +95,14 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     socket_.async_read(inbox_,
                        [self = shared_from_this()](beast::error_code failure, std::size_t bytes) {
                          self->reading_ = false;
-                         if (failure) return self->end();
+                         if (failure) return self->end(failure);
                          self->received(bytes);
                        });
   }
 
   void received(std::size_t bytes) {
     context_.metrics.received(bytes);
+    log_->received(bytes);
     const asio::const_buffer data = inbox_.cdata();
     Actions actions =
         socket_.got_text()
@@ -132,7 +137,10 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 
   Actions perform(Action action) {
     if (auto* send = std::get_if<Send>(&action)) {
-      if (send->error != protocol::WireCode::kNone) context_.metrics.refused(send->error);
+      if (send->error != protocol::WireCode::kNone) {
+        context_.metrics.refused(send->error);
+        log_->refused(send->error);
+      }
       outbox_bytes_ += send->bytes.size();
       outbox_.push_back(std::move(*send));
     } else if (auto* cull = std::get_if<StartCull>(&action)) {
@@ -159,7 +167,10 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
   Actions culled(CullOutcome outcome) {
-    if (outcome.visible) context_.metrics.answered(outcome.report);
+    if (outcome.visible) {
+      context_.metrics.answered(outcome.report);
+      log_->answered(outcome.report.bytes);
+    }
     context_.metrics.superseded(outcome.job.superseded);
     return session_.culled(std::move(outcome));
   }
@@ -177,6 +188,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     apply(session_.edited(std::move(done)));
     if (!changed) return;
     context_.metrics.edited();
+    log_->edited();
     context_.sceneMoved(session_.scene().get());
   }
 
@@ -198,7 +210,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     socket_.async_write(asio::buffer(outbox_.front().bytes),
                         [self = shared_from_this()](beast::error_code failure, std::size_t) {
                           self->writing_ = false;
-                          if (failure) return self->end();
+                          if (failure) return self->end(failure);
                           self->written();
                         });
   }
@@ -219,13 +231,15 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     socket_.async_close(why, [self = shared_from_this()](beast::error_code) { self->end(); });
   }
 
-  void end() {
+  void end(beast::error_code failure = {}) {
+    log_->closed(leaving_ ? leaving_->reason : failure ? failure.message() : "closed");
     ended_ = true;
     hello_timer_.cancel();
     beast::get_lowest_layer(socket_).close();
   }
 
   Context& context_;
+  const std::shared_ptr<SessionLog> log_;
   websocket::stream<Stream> socket_;
   asio::steady_timer hello_timer_;
   std::string request_;

@@ -2,20 +2,26 @@
 
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
 #include <prometheus/registry.h>
 #include <prometheus/text_serializer.h>
 
 #include <atomic>
+#include <iterator>
+#include <utility>
 
 #include "server/answer_metrics.h"
+#include "server/process_metrics.h"
 
 namespace culld::server {
 namespace {
 
 using prometheus::BuildCounter;
 using prometheus::BuildGauge;
+using prometheus::BuildHistogram;
 using prometheus::Counter;
 using prometheus::Gauge;
+using prometheus::Histogram;
 using prometheus::Registry;
 
 Counter& counter(Registry& registry, const char* name, const char* help) {
@@ -26,10 +32,25 @@ Gauge& gauge(Registry& registry, const char* name, const char* help) {
   return BuildGauge().Name(name).Help(help).Register(registry).Add({});
 }
 
+Histogram& queueSeconds(Registry& registry) {
+  static const Histogram::BucketBoundaries kSeconds{0.00001, 0.0001, 0.001, 0.005, 0.01, 0.02,
+                                                    0.05,    0.1,    0.2,   0.5,   1,    5};
+  return BuildHistogram()
+      .Name("culld_queue_duration_seconds")
+      .Help("Time between the arrival of a camera and its cull")
+      .Register(registry)
+      .Add({}, kSeconds);
+}
+
 }  // namespace
 
 struct Metrics::Impl {
   Registry registry;
+  Gauge& config_good = gauge(registry, "culld_config_last_reload_successful",
+                             "1: the configuration was taken when it was last read; 0: refused");
+  Gauge& config_time = gauge(registry, "culld_config_last_reload_success_timestamp_seconds",
+                             "When a configuration was last taken");
+  Histogram& queued = queueSeconds(registry);
   Gauge& connections = gauge(registry, "culld_connections", "Open connections");
   Gauge& sessions = gauge(registry, "culld_sessions", "Open live sessions");
   Gauge& views = gauge(registry, "culld_views", "Open views");
@@ -55,7 +76,15 @@ struct Metrics::Impl {
   std::atomic<std::int64_t> cull_ns{0};
 };
 
-Metrics::Metrics() : impl_(std::make_unique<Impl>()) {}
+Metrics::Metrics() : impl_(std::make_unique<Impl>()) {
+  prometheus::BuildGauge()
+      .Name("culld_build_info")
+      .Help("1, with what this program is as labels")
+      .Register(impl_->registry)
+      .Add({{"version", CULLD_VERSION}, {"compiler", __VERSION__}})
+      .Set(1);
+  configRead(true);
+}
 Metrics::~Metrics() = default;
 
 void Metrics::connectionOpened() { impl_->connections.Increment(); }
@@ -67,6 +96,7 @@ void Metrics::viewsChanged(std::ptrdiff_t by) { impl_->views.Increment(static_ca
 
 void Metrics::answered(const AnswerReport& report) {
   impl_->answers.count(report);
+  impl_->queued.Observe(std::chrono::duration<double>(report.queued).count());
   impl_->answer_bytes.Increment(static_cast<double>(report.bytes));
   ++impl_->answers_made;
   impl_->cull_ns += report.cull.count();
@@ -97,8 +127,16 @@ void Metrics::scenesHeld(const std::set<std::string>& names) {
   impl_->answers.keepScenes(names);
 }
 
+void Metrics::configRead(bool good) {
+  impl_->config_good.Set(good ? 1 : 0);
+  if (good) impl_->config_time.SetToCurrentTime();
+}
+
 std::string Metrics::text() const {
-  return prometheus::TextSerializer().Serialize(impl_->registry.Collect());
+  auto families = impl_->registry.Collect();
+  auto process = processMetrics();
+  std::move(process.begin(), process.end(), std::back_inserter(families));
+  return prometheus::TextSerializer().Serialize(families);
 }
 
 Metrics::Totals Metrics::totals() const {

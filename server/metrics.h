@@ -19,6 +19,7 @@ struct AnswerReport {
   float missed_px = 0.0F;
   bool proven = true;
   bool out_of_budget = false;
+  std::chrono::nanoseconds queued{0};  ///< from the camera's arrival to the cull
   std::chrono::nanoseconds cull{0};
   std::size_t bytes = 0;
   std::size_t objects = 0;
@@ -46,6 +47,9 @@ class Metrics {
   void httpRequest(std::string_view method, unsigned status);
   /// The scenes from now on; what was counted about others is dropped.
   void scenesHeld(const std::set<std::string>& names);
+
+  /// At the start, and at each reload: whether the configuration was taken.
+  void configRead(bool good);
 
   /// Text format 0.0.4.
   std::string text() const;

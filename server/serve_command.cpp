@@ -1,8 +1,6 @@
 #include "server/serve_command.h"
 
 #include <pthread.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,7 +12,6 @@
 #include <optional>
 #include <thread>
 
-#include "protocol/text.h"
 #include "server/command_line.h"
 #include "server/scene_files.h"
 #include "server/server.h"
@@ -89,8 +86,8 @@ int awaitSignal(const sigset_t& set) {
   return signal;
 }
 
-void drain(server::Server& server, const sigset_t& set) {
-  spdlog::info("draining");
+void drain(server::Server& server, server::Log& log, const sigset_t& set) {
+  log.info("draining");
   std::thread([set] {  // a second signal: at once
     int signal = kLoaded;
     while (signal == kLoaded) signal = awaitSignal(set);
@@ -98,41 +95,41 @@ void drain(server::Server& server, const sigset_t& set) {
   })
       .detach();
   server.drain();
-  spdlog::info("done");
+  log.info("done");
 }
 
 /// The loader cannot be called off, and may have a minute to go: its thread ends with the process.
-[[noreturn]] void leaveWhileLoading(server::Server& server, const sigset_t& set) {
-  drain(server, set);
+[[noreturn]] void leaveWhileLoading(server::Server& server, server::Log& log, const sigset_t& set) {
+  drain(server, log, set);
   server.removeTemporaryFiles();
   std::_Exit(kFine);
 }
 
 /// REQUIRES: the watched signals are blocked in all threads.
-int serveUntilSignal(server::Server& server, const sigset_t& set) {
+int serveUntilSignal(server::Server& server, server::Log& log, const sigset_t& set) {
   Loading loading;
   const pthread_t waiter = pthread_self();
   std::thread loader([&server, &loading, waiter] {
     loading.result = server.loadScenes();
     pthread_kill(waiter, kLoaded);
   });
-  if (awaitSignal(set) != kLoaded) leaveWhileLoading(server, set);
+  if (awaitSignal(set) != kLoaded) leaveWhileLoading(server, log, set);
   loader.join();
   if (!loading.result->ok()) return fail(kUsage, loading.result->error().message);
   for (const std::string& line : loading.result->value()) {
-    spdlog::error("{}", protocol::oneLine(line));
+    log.error("stored scene not served", {{"error", line}});
   }
-  spdlog::info("ready");
+  log.info("ready");
   while (awaitSignal(set) == kLoaded) {
   }
-  drain(server, set);
+  drain(server, log, set);
   return kFine;
 }
 
 /// Raises the limit of open files, as Debian's soft one of 1024 is below the documented number of
 /// connections, and fits that number to it: were descriptors to run out, connections could not even
 /// be refused. A connection has a socket, and the file of its upload.
-void fitConnectionsToDescriptors(server::ServerLimits& limits) {
+void fitConnectionsToDescriptors(server::ServerLimits& limits, server::Log& log) {
   constexpr rlim_t kReserve = 64;  // scenes being read, listening sockets, the log
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -141,8 +138,8 @@ void fitConnectionsToDescriptors(server::ServerLimits& limits) {
   const rlim_t most = limit.rlim_cur > kReserve + 2 ? (limit.rlim_cur - kReserve) / 2 : rlim_t{1};
   if (most >= limits.max_connections) return;
   limits.max_connections = static_cast<std::size_t>(most);
-  spdlog::warn("at most {} connections, as this process may have {} files open", most,
-               limit.rlim_cur);
+  log.warning("fewer connections, as this process may have few files open",
+              {{"max_connections", most}, {"open_files", limit.rlim_cur}});
 }
 
 ExitCode exitCodeOf(ErrorCode code) {
@@ -159,8 +156,7 @@ ExitCode exitCodeOf(ErrorCode code) {
 }  // namespace
 
 int runServe(const ServeArguments& arguments) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("culld"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
+  const auto log = server::Log::toStderr();
   server::ServerOptions options;
   if (auto r = parseListen(arguments.listen, options); !r) {
     return fail(kUsage, r.error().message);
@@ -175,15 +171,16 @@ int runServe(const ServeArguments& arguments) {
   if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
 
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away must not end the daemon
-  fitConnectionsToDescriptors(options.limits);
+  fitConnectionsToDescriptors(options.limits, *log);
+  options.log = log.get();
   const sigset_t set = watchedSignals();
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   auto server = server::Server::start(std::move(options));
   if (!server) return fail(exitCodeOf(server.error().code), server.error().message);
-  const auto colon = arguments.listen.rfind(':');
-  spdlog::info("listening on {}:{}", arguments.listen.substr(0, colon), server.value()->port());
-  if (!arguments.unix_path.empty()) spdlog::info("listening on {}", arguments.unix_path);
-  return serveUntilSignal(*server.value(), set);
+  for (const std::string& address : server.value()->addresses()) {
+    log->info("listening on " + address);
+  }
+  return serveUntilSignal(*server.value(), *log, set);
 }
 
 }  // namespace culld

@@ -9,7 +9,9 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <deque>
 #include <future>
+#include <sstream>
 #include <thread>
 
 #include "server/build_info.h"
@@ -45,6 +47,19 @@ class Acceptor {
     return cannotBind(where, failure);
   }
 
+  /// A socket that listens already.
+  Result<void> adopt(const InheritedSocket& socket) {
+    error_code failure;
+    if constexpr (std::is_same_v<Protocol, tcp>) {
+      acceptor_.assign(socket.family == AF_INET ? tcp::v4() : tcp::v6(), socket.descriptor,
+                       failure);
+    } else {
+      acceptor_.assign(Protocol(), socket.descriptor, failure);
+    }
+    if (!failure) return Done{};
+    return cannotBind("descriptor " + std::to_string(socket.descriptor), failure);
+  }
+
   void accept() {
     acceptor_.async_accept([this](error_code failure, typename Protocol::socket socket) {
       if (failure == asio::error::operation_aborted) return;
@@ -61,7 +76,6 @@ class Acceptor {
   }
 
   auto localEndpoint() const { return acceptor_.local_endpoint(); }
-  bool open() const { return acceptor_.is_open(); }
 
  private:
   void acceptLater() {
@@ -75,6 +89,9 @@ class Acceptor {
     if (context_.metrics.totals().connections >=
         static_cast<double>(context_.limits.max_connections)) {
       context_.metrics.connectionRefused();
+      context_.log.warning(
+          "connection refused",
+          {{"why", "too many connections"}, {"max_connections", context_.limits.max_connections}});
       return refuse(std::move(socket), context_.limits.max_connections);
     }
     if constexpr (std::is_same_v<Protocol, tcp>) {
@@ -122,47 +139,84 @@ struct Server::Impl {
                 steadyClock(),
                 store,
                 metrics,
+                options.log ? *options.log : silent,
                 workers,
                 loaders,
                 [this](std::function<void()> task) { asio::post(io, std::move(task)); },
                 steadyClock().now(),
                 {},
                 0},
-        tcp_acceptor(io, context),
-        unix_acceptor(io, context),
         workers(options.threads),
         loaders(1) {}
 
   ~Impl() {
     io.stop();
     if (io_thread.joinable()) io_thread.join();
-    if (unix_acceptor.open()) ::unlink(options.unix_path.c_str());
+    removeSocketFile();
   }
 
   Result<void> listen() {
+    if (!options.inherited.empty()) return adopt();
+    if (auto r = listenTcp(); !r || options.unix_path.empty()) return r;
+    return listenUnix();
+  }
+
+  Result<void> adopt() {
+    for (const InheritedSocket& socket : options.inherited) {
+      const bool local = socket.family == AF_UNIX;
+      auto adopted = local ? unix_acceptors.emplace_back(io, context).adopt(socket)
+                           : tcp_acceptors.emplace_back(io, context).adopt(socket);
+      if (!adopted) return adopted;
+    }
+    return Done{};
+  }
+
+  Result<void> listenTcp() {
     error_code failure;
     const auto address = asio::ip::make_address(options.listen_host, failure);
     const std::string where = options.listen_host + ":" + std::to_string(options.listen_port);
     if (failure) {
       return invalidInput(where + ": " + options.listen_host + " is not an IP address");
     }
-    if (auto r = tcp_acceptor.listen({address, options.listen_port}, where); !r) return r;
-    port = tcp_acceptor.localEndpoint().port();
-    if (options.unix_path.empty()) return Done{};
+    return tcp_acceptors.emplace_back(io, context).listen({address, options.listen_port}, where);
+  }
+
+  Result<void> listenUnix() {
     if (options.unix_path.size() >= sizeof(sockaddr_un::sun_path)) {
       return invalidInput(options.unix_path + ": path too long for a socket");
     }
     removeStaleSocket(options.unix_path, io);
     const mode_t before = ::umask(0117);  // the socket is for its owner and group from the start
-    auto listening = unix_acceptor.listen({options.unix_path}, options.unix_path);
+    auto listening =
+        unix_acceptors.emplace_back(io, context).listen({options.unix_path}, options.unix_path);
     ::umask(before);
+    if (listening) owns_socket_file = true;
     return listening;
   }
 
+  /// One that was handed over is its maker's.
+  void removeSocketFile() {
+    if (std::exchange(owns_socket_file, false)) ::unlink(options.unix_path.c_str());
+  }
+
+  void accept() {
+    for (auto& acceptor : tcp_acceptors) {
+      std::ostringstream text;
+      text << acceptor.localEndpoint();  // HOST:PORT, with brackets around IPv6
+      addresses.push_back(text.str());
+      if (port == 0) port = acceptor.localEndpoint().port();
+      acceptor.accept();
+    }
+    for (auto& acceptor : unix_acceptors) {
+      addresses.push_back(acceptor.localEndpoint().path());
+      acceptor.accept();
+    }
+  }
+
   void stopAccepting() {
-    tcp_acceptor.close();
-    if (unix_acceptor.open()) ::unlink(options.unix_path.c_str());
-    unix_acceptor.close();
+    removeSocketFile();
+    for (auto& acceptor : tcp_acceptors) acceptor.close();
+    for (auto& acceptor : unix_acceptors) acceptor.close();
   }
 
   /// Calls `done` on the I/O thread once nothing is in flight, or time is up.
@@ -179,16 +233,19 @@ struct Server::Impl {
   // Order matters: connections live in the queues of `io` and of the pools, and use the rest.
   ServerOptions options;
   Metrics metrics;
+  Log silent;
   SceneStore store;
   Context context;
   asio::io_context io{1};
   asio::executor_work_guard<asio::io_context::executor_type> work = asio::make_work_guard(io);
   asio::steady_timer drain_timer{io};
-  Acceptor<tcp> tcp_acceptor;
-  Acceptor<stream_protocol> unix_acceptor;
+  std::deque<Acceptor<tcp>> tcp_acceptors;
+  std::deque<Acceptor<stream_protocol>> unix_acceptors;
+  bool owns_socket_file = false;
+  std::uint16_t port = 0;
+  std::vector<std::string> addresses;
   WorkerPool workers;
   WorkerPool loaders;
-  std::uint16_t port = 0;
   std::thread io_thread;
 };
 
@@ -200,13 +257,22 @@ Result<std::unique_ptr<Server>> Server::start(ServerOptions options) {
   if (!files) return files.error();
   auto impl = std::make_unique<Impl>(std::move(options), std::move(files).value());
   if (auto listening = impl->listen(); !listening) return listening.error();
-  impl->tcp_acceptor.accept();
-  if (impl->unix_acceptor.open()) impl->unix_acceptor.accept();
+  impl->accept();
   impl->io_thread = std::thread([io = &impl->io] { io->run(); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
 }
 
 std::uint16_t Server::port() const noexcept { return impl_->port; }
+
+const std::vector<std::string>& Server::addresses() const noexcept { return impl_->addresses; }
+
+void Server::setLimits(const ServerLimits& limits) {
+  asio::post(impl_->io, [impl = impl_.get(), limits] { impl->context.limits = limits; });
+}
+
+void Server::whenAlive(std::function<void()> task) { asio::post(impl_->io, std::move(task)); }
+
+void Server::configRead(bool good) { impl_->metrics.configRead(good); }
 
 Result<std::vector<std::string>> Server::loadScenes() {
   auto failures = impl_->store.loadAll();
@@ -225,7 +291,7 @@ void Server::drain() {
   asio::post(impl_->io, [impl = impl_.get(), idle] {
     impl->stopAccepting();
     impl->context.goAway(nullptr, "the server is shutting down");
-    const auto until = impl->context.clock.now() + impl->options.limits.drain_timeout;
+    const auto until = impl->context.clock.now() + impl->context.limits.drain_timeout;
     impl->awaitIdle(until, [idle] { idle->set_value(); });
   });
   finished.wait();

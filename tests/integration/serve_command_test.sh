@@ -121,7 +121,7 @@ for _ in $(seq 300); do
   if grep -q ' ready$' "$work/log"; then break; fi
   sleep 0.1
 done
-grep -q 'at most 16 connections' "$work/log" || die "does not say how many connections it takes"
+grep -q 'max_connections=16 open_files=96' "$work/log" || die "does not say how many connections it takes"
 python3 - "$work/sock" "$bin/cullctl" <<'END' || die "a flood of connections"
 import select, socket, subprocess, sys, time
 def ask(path):
