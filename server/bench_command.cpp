@@ -52,7 +52,7 @@ void declare(CLI::App& app, Options& o) {
       ->check(CLI::Range(1U, 1024U));
   app.add_option("--rays", o.rays, "truth: rays aimed at each object not seen so far")
       ->check(CLI::Range(0U, 1'000'000U));
-  app.add_option("--seed", o.seed, "truth: of its random numbers");
+  app.add_option("--seed", o.seed, "truth: of its random numbers")->check(CLI::NonNegativeNumber);
   app.add_option("--simd", o.simd, "force a SIMD target: auto, sse4, avx2, avx3");
   app.add_option("--report", o.report, "folder for report.html, report.csv, report.json")
       ->required();
@@ -130,11 +130,36 @@ std::string camerasOf(const Options& o, const std::string& scene) {
   return fs::path(scene).replace_extension(".cameras.json").string();
 }
 
-/// Every Nth of the file. ERROR: also if there is none.
+/// ERROR: also if there are none.
+Result<std::vector<Camera>> camerasFor(const Options& o, const std::string& scene) {
+  const std::string path = camerasOf(o, scene);
+  auto cameras = readCameras(path);
+  if (cameras && cameras.value().empty()) return invalidInput(path + ": no cameras");
+  return cameras;
+}
+
+/// Reads all that will be measured, as the first scene alone may take an hour.
+Result<void> tryInputs(const Options& o) {
+  for (const std::string& path : o.scenes) {
+    if (auto cameras = camerasFor(o, path); !cameras) return cameras.error();
+    if (auto scene = loadScene(path); !scene) return scene.error();
+  }
+  return Done{};
+}
+
+/// The file's name, or the whole path where another scene's file is called the same.
+std::string nameOf(const Options& o, const std::string& path) {
+  const fs::path file = fs::path(path).filename();
+  const auto same = std::count_if(o.scenes.begin(), o.scenes.end(), [&](const std::string& other) {
+    return fs::path(other).filename() == file;
+  });
+  return protocol::oneLine(same > 1 ? path : file.string());
+}
+
+/// Every Nth of the file.
 Result<void> addCameras(const Options& o, const std::string& path, BenchScene& scene) {
-  const auto cameras = readCameras(path);
+  const auto cameras = camerasFor(o, path);
   if (!cameras) return cameras.error();
-  if (cameras.value().empty()) return invalidInput(path + ": no cameras");
   for (std::size_t i = 0; i < cameras.value().size(); i += o.every) {
     scene.cameras.push_back(cameras.value()[i]);
     scene.numbers.push_back(i);
@@ -161,8 +186,8 @@ Result<void> addMethods(const Options& o, BenchScene& scene) {
 Result<SceneFigures> measure(const Options& o, const BenchOptions& options,
                              const std::string& path) {
   BenchScene scene;
-  scene.name = protocol::oneLine(fs::path(path).filename().string());
-  if (auto added = addCameras(o, camerasOf(o, path), scene); !added) return added.error();
+  scene.name = nameOf(o, path);
+  if (auto added = addCameras(o, path, scene); !added) return added.error();
   auto loaded = loadScene(path);
   if (!loaded) return loaded.error();
   scene.scene = std::move(loaded).value();
@@ -177,14 +202,25 @@ Result<SceneFigures> measure(const Options& o, const BenchOptions& options,
   return figures;
 }
 
+/// GUARANTEES: a reader finds the report before or the one after, whole.
+Result<void> replaceFile(const fs::path& path, const std::string& text) {
+  const std::string part = path.string() + ".part";
+  if (auto written = protocol::writeTextFile(part, text); !written) {
+    return Error{ErrorCode::kIo, written.error().message};
+  }
+  std::error_code failure;
+  fs::rename(part, path, failure);
+  if (failure) return Error{ErrorCode::kIo, path.string() + ": " + failure.message()};
+  return Done{};
+}
+
 Result<void> write(const BenchReport& report, const std::string& folder) {
   const fs::path to(folder);
   const std::pair<const char*, std::string> files[] = {{"report.csv", benchCsv(report)},
                                                        {"report.json", benchJson(report)},
                                                        {"report.html", benchHtml(report)}};
   for (const auto& [name, text] : files) {
-    const auto written = protocol::writeTextFile((to / name).string(), text);
-    if (!written) return Error{ErrorCode::kIo, written.error().message};
+    if (auto written = replaceFile(to / name, text); !written) return written;
   }
   return Done{};
 }
@@ -199,6 +235,17 @@ BenchFacts factsOf(const Options& o, const std::string& command) {
                                   std::to_string(o.seed));
   facts.emplace_back("repetitions", std::to_string(o.repeat) + ", the methods in turn");
   return facts;
+}
+
+/// As a shell reads it back.
+std::string quoted(const std::string& argument) {
+  const bool plain = !argument.empty() && argument.find_first_not_of(
+                                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                              "0123456789-_./,=:@%+") == std::string::npos;
+  if (plain) return argument;
+  std::string out = "'";
+  for (const char c : argument) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
 }
 
 int say(const BenchReport& report) {
@@ -216,6 +263,7 @@ int run(Options& o, const std::string& command) {
   std::error_code error;
   fs::create_directories(o.report, error);
   if (error) return fail(kDisk, o.report + ": " + error.message());
+  if (auto readable = tryInputs(o); !readable) return fail(kUsage, readable.error().message);
 
   BenchReport report;
   report.facts = factsOf(o, command);
@@ -239,7 +287,7 @@ int run(Options& o, const std::string& command) {
 
 int runBench(std::vector<std::string> arguments, std::span<const Method* const> methods) {
   std::string command = "culld bench";
-  for (const std::string& argument : arguments) command += " " + argument;
+  for (const std::string& argument : arguments) command += " " + quoted(argument);
   Options options;
   options.table = methods;
   CLI::App app("error against run time: scenes x methods x settings", "culld bench");

@@ -83,8 +83,21 @@ expect 2 'pentium' city.glb --simd pentium --report out
 expect 74 'stdout/out' city.glb --report stdout/out
 printf 'glTF but no more' >broken.glb
 cp city.cameras.json broken.cameras.json
-expect 2 'broken.glb' random.glb broken.glb --every 40 --repeat 1 --samples 1 --report both
-[ "$(grep -c '"random.glb"' both/report.csv)" -gt 1 ] || die "what was done before the broken scene is lost"
+expect 2 'broken.glb' random.glb broken.glb --report both
+[ ! -e both/report.csv ] || die "measured before all that is to be measured was read"
+expect 2 'seed' city.glb --seed -1 --report out
+
+# Two files of one name are told apart, and the command in the report can be given to a shell.
+mkdir -p "other city"
+cp city.glb city.cameras.json "other city"
+"$bin/culld" bench city.glb "other city/city.glb" --methods frustum --every 9 --repeat 1 --samples 1 --report twins >/dev/null
+python3 - <<'END'
+import json, shlex
+report = json.load(open("twins/report.json"))
+assert [s["name"] for s in report["scenes"]] == ["city.glb", "other city/city.glb"]
+assert shlex.split(report["facts"]["command"])[3] == "other city/city.glb", report["facts"]["command"]
+END
+[ "$(ls twins)" = "$(printf 'report.csv\nreport.html\nreport.json')" ] || die "left in the report's folder: $(ls twins)"
 printf '[]' >city.cameras.json
 expect 2 'city.cameras.json' city.glb --report out
 echo "culld bench: all as expected"
