@@ -67,6 +67,7 @@ AnswerMetrics::Series& AnswerMetrics::seriesOf(const AnswerReport& report) {
   if (fresh) {
     const Labels labels = labelsOf(report);
     series.scene = report.scene;
+    series.made_by = report.made_by;
     series.out_of_budget = &out_of_budget_.Add(labels);
     series.objects = &objects_.Add(labels);
     series.seconds = &seconds_.Add(labels, kSeconds);
@@ -102,6 +103,25 @@ void AnswerMetrics::count(const AnswerReport& report) {
     series.seen->Increment(static_cast<double>(report.seen));
     series.kept->Increment(static_cast<double>(report.kept));
   }
+}
+
+std::vector<MethodUse> AnswerMetrics::usesOf(const std::string& scene) const {
+  std::map<std::string, MethodUse> uses;
+  const std::lock_guard lock(mutex_);
+  for (const auto& [key, series] : series_) {
+    if (series.scene != scene) continue;
+    MethodUse& use = uses[series.made_by];
+    use.method = series.made_by;
+    for (const Counter* answers : series.answers) {
+      if (answers != nullptr) use.answers += answers->Value();
+    }
+    use.out_of_budget += series.out_of_budget->Value();
+    use.objects += series.objects->Value();
+    use.cull_seconds += series.seconds->Collect().histogram.sample_sum;
+  }
+  std::vector<MethodUse> out;
+  for (auto& [name, use] : uses) out.push_back(std::move(use));
+  return out;
 }
 
 void AnswerMetrics::keepScenes(const std::set<std::string>& names) {

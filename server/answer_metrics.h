@@ -9,6 +9,7 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "server/metrics.h"
 
@@ -20,6 +21,7 @@ class AnswerMetrics {
   explicit AnswerMetrics(prometheus::Registry& registry);
 
   void count(const AnswerReport& report);
+  std::vector<MethodUse> usesOf(const std::string& scene) const;
   /// Drops the series of all other scenes.
   void keepScenes(const std::set<std::string>& names);
 
@@ -31,7 +33,7 @@ class AnswerMetrics {
   /// The series of one scene, method, its choice and guarantee; null until there is something to
   /// count.
   struct Series {
-    std::string scene;
+    std::string scene, made_by;
     Counter* answers[2] = {};  ///< by proven
     Counter* out_of_budget = nullptr;
     Counter* objects = nullptr;
@@ -53,7 +55,7 @@ class AnswerMetrics {
   prometheus::Family<Counter>& kept_;
   prometheus::Family<Histogram>& missed_px_;
   prometheus::Family<Histogram>& seconds_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::map<std::string, Series> series_;  ///< by all labels in one word
 };
 

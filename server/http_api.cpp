@@ -5,6 +5,7 @@
 
 #include "protocol/text.h"
 #include "protocol/version.h"
+#include "server/plan_summary.h"
 #include "server/status_page.h"
 
 namespace culld::server {
@@ -45,6 +46,27 @@ json describeScene(const std::string& name, const SceneEntry& entry) {
           {"warnings", std::vector<std::string>(scene.warnings().begin(), scene.warnings().end())}};
 }
 
+json planJson(const SceneVersion& version) {
+  const auto plan = summarizePlan(version);
+  if (!plan) return nullptr;
+  return {{"stages", plan->stages},
+          {"occlusion", plan->occlusion},
+          {"why", plan->why},
+          {"gain_us", plan->gain_us}};
+}
+
+json usesJson(const std::vector<MethodUse>& uses) {
+  json out = json::array();
+  for (const MethodUse& use : uses) {
+    out.push_back({{"method", use.method},
+                   {"answers", use.answers},
+                   {"out_of_budget", use.out_of_budget},
+                   {"objects", use.objects},
+                   {"cull_seconds", use.cull_seconds}});
+  }
+  return out;
+}
+
 HttpReply sceneList(Context& context) {
   json scenes = json::array();
   for (const auto& [name, entry] : context.store.list()) {
@@ -66,6 +88,8 @@ HttpReply status(Context& context) {
     json scene = describeScene(name, entry);
     scene["sessions"] = sessions;
     scene["views"] = views;
+    scene["plan"] = planJson(*entry.scene->current());
+    scene["uses"] = usesJson(context.metrics.usesOf(entry.scene->name()));
     scenes.push_back(std::move(scene));
   }
   const Metrics::Totals t = context.metrics.totals();

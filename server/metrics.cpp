@@ -139,6 +139,10 @@ std::string Metrics::text() const {
   return prometheus::TextSerializer().Serialize(families);
 }
 
+std::vector<MethodUse> Metrics::usesOf(const std::string& scene) const {
+  return impl_->answers.usesOf(scene);
+}
+
 Metrics::Totals Metrics::totals() const {
   Totals out;
   out.connections = impl_->connections.Value();

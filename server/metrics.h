@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "protocol/messages.h"
 
@@ -25,6 +26,12 @@ struct AnswerReport {
   std::size_t objects = 0;
   std::size_t in_frustum = 0;      ///< 0: the method does not count them
   std::size_t seen = 0, kept = 0;  ///< of `objects`; both 0: the method does not tell
+};
+
+/// What one method's answers about one scene came to, whether it was asked for or chosen.
+struct MethodUse {
+  std::string method;
+  double answers = 0, out_of_budget = 0, objects = 0, cull_seconds = 0;
 };
 
 /// THREADS: any.
@@ -58,6 +65,8 @@ class Metrics {
     double superseded = 0, errors = 0, edits = 0, cull_seconds = 0;
   };
   Totals totals() const;
+  /// By name of the method; those that answered at all.
+  std::vector<MethodUse> usesOf(const std::string& scene) const;
 
  private:
   struct Impl;

@@ -35,9 +35,13 @@ Result<const Method*> SceneVersion::method(std::string_view name) const {
   return Error{ErrorCode::kNotFound, "method \"" + std::string(name) + "\" is not known"};
 }
 
-Result<std::shared_ptr<const Culler>> SceneVersion::culler(const Method& method) const {
+SceneVersion::Slot& SceneVersion::slotOf(const Method& method) const {
   const auto at = std::find(methods_.begin(), methods_.end(), &method);
-  Slot& slot = slots_[static_cast<std::size_t>(at - methods_.begin())];
+  return slots_[static_cast<std::size_t>(at - methods_.begin())];
+}
+
+Result<std::shared_ptr<const Culler>> SceneVersion::culler(const Method& method) const {
+  Slot& slot = slotOf(method);
   const std::lock_guard lock(slot.mutex);
   if (!slot.culler) {
     auto prepared = method.prepare(snapshot_);
@@ -45,6 +49,12 @@ Result<std::shared_ptr<const Culler>> SceneVersion::culler(const Method& method)
                            : Prepared(prepared.error());
   }
   return *slot.culler;
+}
+
+std::shared_ptr<const Culler> SceneVersion::readyCuller(const Method& method) const {
+  Slot& slot = slotOf(method);
+  const std::unique_lock lock(slot.mutex, std::try_to_lock);
+  return lock && slot.culler && slot.culler->ok() ? slot.culler->value() : nullptr;
 }
 
 SceneVersionPtr SceneVersion::edited(SnapshotPtr next, std::span<const ObjectId> changed) const {

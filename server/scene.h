@@ -33,6 +33,9 @@ class SceneVersion {
   /// Prepared once; others who ask meanwhile wait. REQUIRES: `method` came from method().
   Result<std::shared_ptr<const Culler>> culler(const Method& method) const;
 
+  /// The same if it is there already; null else, and while it is being prepared. Does not wait.
+  std::shared_ptr<const Culler> readyCuller(const Method& method) const;
+
   /// The next version of the same epoch, with the prepared cullers refitted. Waits for a method
   /// that is just being prepared: it would start from nothing otherwise, at every edit.
   std::shared_ptr<const SceneVersion> edited(SnapshotPtr next,
@@ -45,6 +48,7 @@ class SceneVersion {
     std::optional<Prepared> culler;
   };
   SceneVersion(const SceneVersion& before, SnapshotPtr next);
+  Slot& slotOf(const Method& method) const;
 
   Methods methods_;
   SnapshotPtr snapshot_;

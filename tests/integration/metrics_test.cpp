@@ -1,12 +1,17 @@
 // What the server says about itself for Prometheus: answers by what they are worth, errors by code.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "culling/planner/auto_method.h"
+
 #include "tests/integration/server_fixture.h"
 
 namespace culld::testing {
 namespace {
 
 namespace wire = protocol;
+using nlohmann::json;
 
 class MetricsOf : public ServerTest {
  protected:
@@ -16,7 +21,11 @@ class MetricsOf : public ServerTest {
     EXPECT_TRUE(client.openView(1));
     return client;
   }
+  json statusOfScene() {
+    return json::parse(request(port(), "GET", "/v1/status").body)["scenes"][0];
+  }
   std::string metrics() { return request(port(), "GET", "/metrics").body; }
+  const Method* stages[1] = {&fake};
   void expectLines(const std::vector<std::string>& lines) {
     const std::string text = "\n" + metrics();
     for (const std::string& line : lines) {
@@ -72,6 +81,49 @@ TEST_F(MetricsOf, AnswersByWhatTheyAreWorth) {
                "culld_answer_seen_objects_total{" + guess + "," + row + "} 80",
                "culld_answer_kept_objects_total{" + guess + "," + row + "} 120",
                "culld_cull_duration_seconds_count{" + guess + "," + row + "} 2"});
+}
+
+TEST_F(MetricsOf, EachMethodInUseForThePageOfPeople) {
+  int made = 0;
+  fake.cull_time = std::chrono::milliseconds(2);
+  fake.on_answer = [&made](Answer& answer) {
+    if (++made == 1) return;
+    answer.made_by = "stage";
+    answer.out_of_budget = made == 3;
+  };
+  startWithRow(300);
+  EXPECT_EQ(statusOfScene()["uses"], json::array());
+  LiveClient client = connect();
+  for (int i = 0; i < 3; ++i) {
+    client.send(cameraAt(0));
+    ASSERT_TRUE(client.await<wire::Answer>());
+  }
+  const json uses = statusOfScene()["uses"];
+  ASSERT_EQ(uses.size(), 2U) << uses;
+  EXPECT_EQ(uses[0]["method"], "fake");
+  EXPECT_EQ(uses[0]["answers"], 1);
+  EXPECT_EQ(uses[0]["objects"], 100);
+  EXPECT_EQ(uses[1]["method"], "stage");
+  EXPECT_EQ(uses[1]["answers"], 2);
+  EXPECT_EQ(uses[1]["objects"], 200);
+  EXPECT_EQ(uses[1]["out_of_budget"], 1);
+  EXPECT_NEAR(uses[1]["cull_seconds"].get<double>(), 0.004, 1e-9);
+}
+
+TEST_F(MetricsOf, ThePlanThatAnswersFollow) {
+  const AutoMethod automatic{stages};
+  table[0] = &automatic;
+  startWithRow(5);
+  EXPECT_TRUE(statusOfScene()["plan"].is_null()) << "nobody has asked yet";
+  LiveClient client = connect();
+  client.send(cameraAt(0));
+  ASSERT_TRUE(client.await<wire::Answer>());
+  const json plan = statusOfScene()["plan"];
+  ASSERT_TRUE(plan.is_object()) << plan;
+  EXPECT_EQ(plan["stages"], json({"fake"}));
+  EXPECT_EQ(plan["occlusion"], "left out");
+  EXPECT_FALSE(plan["why"].get<std::string>().empty());
+  server.reset();  // before its method goes
 }
 
 TEST_F(MetricsOf, AMethodThatDoesNotTellWhatItSawHasNoSuchCount) {
