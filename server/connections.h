@@ -14,11 +14,11 @@ std::string peerName(const StreamSocket& socket);
 
 /// Speaks HTTP/1.1 until the connection ends or becomes a live one. Owns itself.
 /// REQUIRES: the I/O thread; `context` outlives all connections.
-void serveHttp(StreamSocket socket, Context& context);
+void serveHttp(StreamSocket socket, AddressTicket ticket, Context& context);
 
 /// Speaks WebSocket for one scene. `request` is the upgrade's header as it was received and what
 /// followed it.
 void serveLive(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
-               Context& context);
+               AddressTicket ticket, Context& context);
 
 }  // namespace culld::server

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "culling/core/clock.h"
+#include "server/address_counts.h"
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/metrics.h"
@@ -44,6 +45,8 @@ struct Context {
   std::set<LivePeer*> live;
   std::size_t busy_requests = 0;     ///< HTTP requests under way
   std::uint64_t sessions_begun = 0;  ///< live ones, since the start; numbers them in the log
+  std::size_t queued_bytes = 0;      ///< messages of all sessions that wait to be sent
+  AddressCounts addresses{};
   std::atomic<bool> ready{false};
   std::atomic<bool> draining{false};
 

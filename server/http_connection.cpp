@@ -28,8 +28,8 @@ std::string_view view(beast::string_view s) { return {s.data(), s.size()}; }
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(StreamSocket socket, Context& context)
-      : context_(context), stream_(std::move(socket)) {
+  HttpConnection(StreamSocket socket, AddressTicket ticket, Context& context)
+      : context_(context), ticket_(std::move(ticket)), stream_(std::move(socket)) {
     context_.metrics.connectionOpened();
   }
   ~HttpConnection() {
@@ -154,7 +154,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     std::ostringstream bytes;
     bytes << handshakeOf(request) << beast::buffers_to_string(buffer_.data());
     stream_.expires_never();
-    serveLive(stream_.release_socket(), bytes.str(), std::move(scene), context_);
+    serveLive(stream_.release_socket(), bytes.str(), std::move(scene), std::move(ticket_),
+              context_);
   }
 
   /// Only what the handshake needs: the WebSocket stream reads 1536 bytes of it, cookies are
@@ -345,6 +346,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   Context& context_;
+  AddressTicket ticket_;
   Stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> header_;
@@ -364,8 +366,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 }  // namespace
 
-void serveHttp(StreamSocket socket, Context& context) {
-  std::make_shared<HttpConnection>(std::move(socket), context)->readHeader();
+void serveHttp(StreamSocket socket, AddressTicket ticket, Context& context) {
+  std::make_shared<HttpConnection>(std::move(socket), std::move(ticket), context)->readHeader();
 }
 
 }  // namespace culld::server

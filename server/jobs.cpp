@@ -18,6 +18,16 @@ std::vector<std::uint8_t> errorMessage(std::uint64_t request_id, WireCode code,
   return protocol::encode(Message{request_id, protocol::ErrorReply{code, protocol::oneLine(what)}});
 }
 
+/// What the job asks for, within the time that is left; nothing when none is.
+std::optional<Demand> demandBy(const CullJob& job, std::chrono::nanoseconds now) {
+  Demand demand = job.demand;
+  if (!job.deadline) return demand;
+  const auto left = *job.deadline - now;
+  if (left <= std::chrono::nanoseconds(0)) return std::nullopt;
+  if (demand.time == std::chrono::nanoseconds(0) || left < demand.time) demand.time = left;
+  return demand;
+}
+
 std::string place(const CullJob& job) { return "view " + std::to_string(job.view) + ": "; }
 
 /// A culler's memory may describe the snapshot it was made for. Another culler means another
@@ -83,6 +93,8 @@ void cullInto(CullOutcome& outcome, const Clock& clock) {
     outcome.error = code;
     outcome.message = errorMessage(job.request_id, code, place(job) + what);
   };
+  const std::string late = "the cull could not begin before the deadline";
+  if (!demandBy(job, clock.now())) return fail(WireCode::kDeadlineExceeded, late);
   const auto method = job.scene->method(job.method);
   if (!method) {
     return fail(toWire(method.error().code, WireCode::kUnknownMethod), method.error().message);
@@ -92,8 +104,11 @@ void cullInto(CullOutcome& outcome, const Clock& clock) {
     return fail(toWire(culler.error().code, WireCode::kUnsupported), culler.error().message);
   }
   ViewState& state = stateFor(*job.memory, culler.value());
-  const auto queued = clock.now() - job.received;
-  Answer answer = culler.value()->cull(job.camera, job.demand, state);
+  const auto begun = clock.now();
+  const auto demand = demandBy(job, begun);  // preparing the culler may have taken its time
+  if (!demand) return fail(WireCode::kDeadlineExceeded, late);
+  const auto queued = begun - job.received;
+  Answer answer = culler.value()->cull(job.camera, *demand, state);
   outcome.report = reportOn(job, *method.value(), answer);
   outcome.report.queued = queued;
   outcome.message = protocol::encode(
@@ -108,6 +123,7 @@ CullOutcome runCull(CullJob job, const Clock& clock) {
   const auto started = clock.now();
   CullOutcome outcome;
   outcome.job = std::move(job);
+  if (!outcome.job.gate->begin()) return outcome;
   try {
     cullInto(outcome, clock);
   } catch (const std::exception& failure) {

@@ -1,4 +1,5 @@
 // A WebSocket around a Session: moves bytes, runs jobs, counts. The session decides everything.
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
@@ -9,6 +10,7 @@
 
 #include "protocol/version.h"
 #include "server/connections.h"
+#include "server/message_rate.h"
 #include "server/session.h"
 #include "server/session_log.h"
 
@@ -27,12 +29,16 @@ constexpr std::chrono::microseconds kInlineCull{100};
 class LiveConnection final : public LivePeer, public std::enable_shared_from_this<LiveConnection> {
  public:
   LiveConnection(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
-                 Context& context)
+                 AddressTicket ticket, Context& context)
       : context_(context),
         log_(std::make_shared<SessionLog>(peerName(socket), scene->name(), socket.get_executor(),
                                           context)),
+        ticket_(std::move(ticket)),
         socket_(Stream(std::move(socket))),
-        hello_timer_(socket_.get_executor()),
+        session_timer_(socket_.get_executor()),
+        write_timer_(socket_.get_executor()),
+        rate_timer_(socket_.get_executor()),
+        rate_(context.limits.session.max_messages_per_s),
         request_(std::move(request)),
         session_(std::move(scene), context.limits.session, context.server_name,
                  context.clock.now()) {
@@ -43,6 +49,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 
   ~LiveConnection() override {
     context_.live.erase(this);
+    context_.queued_bytes -= outbox_bytes_;
     context_.metrics.viewsChanged(-static_cast<std::ptrdiff_t>(counted_views_));
     context_.metrics.sessionClosed();
     context_.metrics.connectionClosed();
@@ -66,7 +73,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
                            self->accepted_ = true;
                            self->log_->opened();
                            self->request_ = {};
-                           self->awaitHello();
+                           self->awaitTick();
                            self->read();
                          });
   }
@@ -82,11 +89,19 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
  private:
-  void awaitHello() {
-    hello_timer_.expires_after(context_.limits.session.hello_timeout);
-    hello_timer_.async_wait([weak = weak_from_this()](beast::error_code failure) {
+  /// The session says when time matters to it: at first for Hello, then for deadlines.
+  void awaitTick() {
+    const auto next = session_.nextTick();
+    if (next == awaited_tick_ || ended_) return;
+    awaited_tick_ = next;
+    session_timer_.cancel();
+    if (!next) return;
+    session_timer_.expires_after(*next - context_.clock.now());
+    session_timer_.async_wait([weak = weak_from_this()](beast::error_code failure) {
       const auto self = weak.lock();
-      if (self && !failure) self->apply(self->session_.tick(self->context_.clock.now()));
+      if (!self || failure) return;
+      self->awaited_tick_.reset();
+      self->apply(self->session_.tick(self->context_.clock.now()));
     });
   }
 
@@ -111,13 +126,27 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
                                context_.clock.now());
     inbox_.consume(inbox_.size());
     apply(std::move(actions));
+    const auto wait = rate_.count(context_.clock.now());
+    if (wait > std::chrono::nanoseconds(0)) return readLater(wait);
     readOn();
+  }
+
+  /// Who talks faster than the limit is read more slowly.
+  void readLater(std::chrono::nanoseconds wait) {
+    reading_ = true;
+    rate_timer_.expires_after(wait);
+    rate_timer_.async_wait([self = shared_from_this()](beast::error_code) {
+      self->reading_ = false;
+      self->readOn();
+    });
   }
 
   /// A client that does not take its replies is not listened to.
   void readOn() {
-    const bool room = outbox_.size() < context_.limits.queued_messages &&
-                      outbox_bytes_ < context_.limits.queued_bytes;
+    const ServerLimits& limits = context_.limits;
+    const bool room = outbox_.size() < limits.queued_messages &&
+                      outbox_bytes_ < limits.queued_bytes &&
+                      (outbox_.empty() || context_.queued_bytes < limits.total_queued_bytes);
     if (!reading_ && room && !ended_ && !closing_) read();
   }
 
@@ -133,6 +162,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     }
     countViews();
     write();
+    awaitTick();
   }
 
   Actions perform(Action action) {
@@ -142,6 +172,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
         log_->refused(send->error);
       }
       outbox_bytes_ += send->bytes.size();
+      context_.queued_bytes += send->bytes.size();
       outbox_.push_back(std::move(*send));
     } else if (auto* cull = std::get_if<StartCull>(&action)) {
       return startCull(std::move(cull->job));
@@ -167,12 +198,19 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
   Actions culled(CullOutcome outcome) {
-    if (outcome.visible) {
-      context_.metrics.answered(outcome.report);
-      log_->answered(outcome.report.bytes);
+    const AnswerReport report = std::move(outcome.report);
+    const std::uint32_t superseded = outcome.job.superseded;
+    Actions actions = session_.culled(std::move(outcome));
+    const bool answers = std::any_of(actions.begin(), actions.end(), [](const Action& action) {
+      const auto* send = std::get_if<Send>(&action);
+      return send != nullptr && send->tag.kind == SendTag::Kind::kAnswer;
+    });
+    if (answers) {
+      context_.metrics.answered(report);
+      log_->answered(report.bytes);
+      context_.metrics.superseded(superseded);
     }
-    context_.metrics.superseded(outcome.job.superseded);
-    return session_.culled(std::move(outcome));
+    return actions;
   }
 
   void startEdit(EditJob job) {
@@ -207,6 +245,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
       return;
     }
     writing_ = true;
+    write_begun_ = context_.clock.now();
+    if (!watching_writes_) watchWrites(timeToWrite());
     socket_.async_write(asio::buffer(outbox_.front().bytes),
                         [self = shared_from_this()](beast::error_code failure, std::size_t) {
                           self->writing_ = false;
@@ -215,9 +255,32 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
                         });
   }
 
+  /// For the message that is being sent; a large one may take as long as an upload of its size.
+  std::chrono::nanoseconds timeToWrite() const {
+    const ServerLimits& limits = context_.limits;
+    return limits.write_timeout +
+           std::chrono::seconds(outbox_.front().bytes.size() / limits.min_upload_bytes_per_s);
+  }
+
+  /// One timer for all messages: it is set again only when it has run out.
+  void watchWrites(std::chrono::nanoseconds wait) {
+    watching_writes_ = true;
+    write_timer_.expires_after(wait);
+    write_timer_.async_wait([weak = weak_from_this()](beast::error_code failure) {
+      const auto self = weak.lock();
+      if (!self || failure) return;
+      self->watching_writes_ = false;
+      if (!self->writing_) return;
+      const auto left = self->write_begun_ + self->timeToWrite() - self->context_.clock.now();
+      if (left <= std::chrono::nanoseconds(0)) return self->end(beast::error::timeout);
+      self->watchWrites(left);
+    });
+  }
+
   void written() {
     const SendTag tag = outbox_.front().tag;
     outbox_bytes_ -= outbox_.front().bytes.size();
+    context_.queued_bytes -= outbox_.front().bytes.size();
     outbox_.pop_front();
     apply(session_.sent(tag));
     readOn();
@@ -234,14 +297,23 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   void end(beast::error_code failure = {}) {
     log_->closed(leaving_ ? leaving_->reason : failure ? failure.message() : "closed");
     ended_ = true;
-    hello_timer_.cancel();
+    session_timer_.cancel();
+    write_timer_.cancel();
+    rate_timer_.cancel();
+    session_.hangUp();
     beast::get_lowest_layer(socket_).close();
   }
 
   Context& context_;
   const std::shared_ptr<SessionLog> log_;
+  AddressTicket ticket_;
   websocket::stream<Stream> socket_;
-  asio::steady_timer hello_timer_;
+  asio::steady_timer session_timer_;
+  asio::steady_timer write_timer_;
+  asio::steady_timer rate_timer_;
+  MessageRate rate_;
+  std::optional<Time> awaited_tick_;
+  Time write_begun_{0};
   std::string request_;
   Session session_;
   beast::flat_buffer inbox_;
@@ -252,6 +324,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   bool accepted_ = false;
   bool reading_ = false;
   bool writing_ = false;
+  bool watching_writes_ = false;
   bool closing_ = false;
   bool ended_ = false;
 };
@@ -259,8 +332,9 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 }  // namespace
 
 void serveLive(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
-               Context& context) {
-  std::make_shared<LiveConnection>(std::move(socket), std::move(request), std::move(scene), context)
+               AddressTicket ticket, Context& context) {
+  std::make_shared<LiveConnection>(std::move(socket), std::move(request), std::move(scene),
+                                   std::move(ticket), context)
       ->start();
 }
 

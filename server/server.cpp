@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -88,22 +89,35 @@ class Acceptor {
   void serve(typename Protocol::socket socket) {
     if (context_.metrics.totals().connections >=
         static_cast<double>(context_.limits.max_connections)) {
-      context_.metrics.connectionRefused();
-      context_.log.warning(
-          "connection refused",
-          {{"why", "too many connections"}, {"max_connections", context_.limits.max_connections}});
-      return refuse(std::move(socket), context_.limits.max_connections);
+      return refuse(std::move(socket), context_.limits.max_connections, "");
     }
+    AddressTicket ticket;
     if constexpr (std::is_same_v<Protocol, tcp>) {
       error_code ignored;  // a socket that is gone already fails at its first read
       socket.set_option(tcp::no_delay(true), ignored);
+      const std::size_t limit = context_.limits.max_connections_per_address;
+      ticket = context_.addresses.enter(source(socket.remote_endpoint(ignored).address()), limit);
+      if (!ticket) return refuse(std::move(socket), limit, " from this address");
     }
-    serveHttp(StreamSocket(std::move(socket)), context_);
+    serveHttp(StreamSocket(std::move(socket)), std::move(ticket), context_);
   }
 
-  static void refuse(typename Protocol::socket socket, std::size_t limit) {
-    const std::string body = "{\"error\":\"too many connections: " + std::to_string(limit) +
-                             " are open, and no more are taken\"}\n";
+  /// An IPv6 host commonly has all 2^64 addresses of its network.
+  static std::string source(asio::ip::address address) {
+    if (address.is_v4()) return address.to_string();
+    auto bytes = address.to_v6().to_bytes();
+    if (address.to_v6().is_v4_mapped())
+      return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
+    std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
+    return asio::ip::make_address_v6(bytes).to_string();
+  }
+
+  void refuse(typename Protocol::socket socket, std::size_t limit, const std::string& whence) {
+    context_.metrics.connectionRefused();
+    context_.log.warning("connection refused",
+                         {{"why", "too many connections" + whence}, {"limit", limit}});
+    const std::string body = "{\"error\":\"too many connections" + whence + ": " +
+                             std::to_string(limit) + " are open, and no more are taken\"}\n";
     const std::string reply =
         "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
         "Content-Type: application/json\r\nContent-Length: " +

@@ -89,6 +89,13 @@ void Session::handle(std::uint64_t id, const protocol::Hello& m) {
                     limits_.max_edits_per_request,
                     static_cast<std::uint32_t>(limits_.idle_timeout.count())};
   welcome.scene = describe(scene_->name(), *scene->snapshot());
+  welcome.limits.max_requests_in_flight = limits_.max_requests_in_flight;
+  welcome.limits.max_waiting_edits = limits_.max_waiting_edits;
+  welcome.limits.max_messages_per_s = limits_.max_messages_per_s;
+  welcome.limits.max_text_bytes = static_cast<std::uint32_t>(protocol::kMaxTextBytes);
+  welcome.limits.max_image_side_px = protocol::kMaxImageSide;
+  welcome.limits.kept_frames = static_cast<std::uint32_t>(limits_.kept_frames);
+  welcome.features = protocol::kFeatureCancel | protocol::kFeatureDeadlines;
   told_epoch_ = scene->epoch();
   told_version_ = welcome.scene.version;
   reply(id, std::move(welcome));
@@ -104,6 +111,7 @@ void Session::handle(std::uint64_t id, const protocol::OpenView& m) {
     return fail(id, WireCode::kLimitExceeded,
                 viewName(m.view) + ": more than " + std::to_string(limits_.max_views) + " views");
   }
+  if (const auto old = views_.find(m.view); old != views_.end()) giveUp(old->second);
   View view;
   view.incarnation = next_incarnation_++;
   view.method = m.method;
@@ -114,9 +122,12 @@ void Session::handle(std::uint64_t id, const protocol::OpenView& m) {
 }
 
 void Session::handle(std::uint64_t id, const protocol::CloseView& m) {
-  if (views_.erase(m.view) == 0) {
+  const auto at = views_.find(m.view);
+  if (at == views_.end()) {
     return fail(id, WireCode::kUnknownView, viewName(m.view) + " is not open");
   }
+  giveUp(at->second);
+  views_.erase(at);
   reply(id, protocol::ViewClosed{m.view});
 }
 
@@ -137,9 +148,13 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
     return fail(id, WireCode::kInvalidDemand, viewName(m.view) + ": " + demand.error().message);
   }
   View& view = at->second;
+  if (!view.mailbox && full()) {
+    return fail(id, WireCode::kLimitExceeded, viewName(m.view) + ": " + fullText());
+  }
   acknowledge(view, m.ack_frame);
   if (view.mailbox) ++view.superseded;
-  view.mailbox = WaitingCamera{id, camera.value(), demand.value(), now_};
+  view.mailbox = WaitingCamera{id, camera.value(), demand.value(), now_, {}};
+  if (m.deadline_us != 0) view.mailbox->deadline = now_ + std::chrono::microseconds(m.deadline_us);
   startCull(m.view, view);
 }
 
@@ -155,12 +170,31 @@ void Session::handle(std::uint64_t id, protocol::Edit& m) {
     return fail(id, WireCode::kLimitExceeded,
                 "edit: " + std::to_string(waiting_edits_.size()) + " are waiting already");
   }
+  if (full()) return fail(id, WireCode::kLimitExceeded, "edit: " + fullText());
   waiting_edits_.push_back({id, m.expected_version, std::move(m.edits)});
   startEdit();
 }
 
 void Session::handle(std::uint64_t id, const protocol::Ping& m) {
   reply(id, protocol::Pong{m.time_ns});
+}
+
+/// Whoever is named gets one reply: Cancelled from here, or the usual one where it is too late. So
+/// Cancel itself has none.
+void Session::handle(std::uint64_t, const protocol::Cancel& m) {
+  for (auto& [number, view] : views_) {
+    if (view.mailbox && view.mailbox->request_id == m.request_id) {
+      refuseWaiting(number, view, WireCode::kCancelled, "cancelled while it waited");
+    }
+    if (view.running && view.running->request_id == m.request_id) {
+      refuseRunning(number, view, WireCode::kCancelled, "cancelled while it was culled");
+    }
+  }
+  const auto cancelled = std::erase_if(
+      waiting_edits_, [&m](const EditJob& edit) { return edit.request_id == m.request_id; });
+  if (cancelled != 0) {
+    fail(m.request_id, WireCode::kCancelled, "edit: cancelled before it was applied");
+  }
 }
 
 // --- work done -----------------------------------------------------------------------------------
@@ -170,14 +204,17 @@ Actions Session::culled(CullOutcome outcome) {
   CullJob& job = outcome.job;
   View* view = find(job.view, job.incarnation);
   if (view == nullptr || closed_) return take();
-  view->running = false;
+  const bool refused = std::exchange(view->running, {})->refused;
   // One cheap cull does not make the next one cheap: an expensive one is forgotten slowly.
   view->last_took = std::max(outcome.took, view->last_took - view->last_took / 16);
-  if (job.scene->epoch() != told_epoch_) {
+  if (refused) {
+    view->superseded += job.superseded;
+  } else if (job.scene->epoch() != told_epoch_) {
     // The scene was replaced meanwhile. Its newest camera still wants an answer.
     view->superseded += job.superseded + (view->mailbox ? 1U : 0U);
     if (!view->mailbox) {
-      view->mailbox = WaitingCamera{job.request_id, job.camera, job.demand, job.received};
+      view->mailbox =
+          WaitingCamera{job.request_id, job.camera, job.demand, job.received, job.deadline};
     }
   } else if (outcome.visible) {
     keep(*view, job.frame, std::move(outcome.visible));
@@ -231,6 +268,9 @@ Actions Session::tick(Time now) {
     closed_ = true;
     actions_.emplace_back(Close{kClosePolicy, "no Hello in time"});
   }
+  if (!closed_) {
+    for (auto& [number, view] : views_) expire(number, view);
+  }
   return take();
 }
 
@@ -262,63 +302,6 @@ void Session::fail(std::uint64_t id, WireCode code, const std::string& message) 
   actions_.emplace_back(Send{protocol::encode(Message{id, refusal}), {}, code});
 }
 
-Session::View* Session::find(std::uint32_t number, std::uint64_t incarnation) {
-  const auto at = views_.find(number);
-  return at != views_.end() && at->second.incarnation == incarnation ? &at->second : nullptr;
-}
-
-void Session::acknowledge(View& view, std::uint32_t frame) {
-  const auto at = std::find_if(view.kept.begin(), view.kept.end(),
-                               [frame](const KeptFrame& kept) { return kept.frame == frame; });
-  view.acked_frame = at == view.kept.end() ? 0 : frame;
-  if (at != view.kept.end()) view.kept.erase(view.kept.begin(), at);
-}
-
-void Session::keep(View& view, std::uint32_t frame, IdSetPtr visible) {
-  view.kept.push_back({frame, std::move(visible)});
-  std::size_t ids = 0;
-  for (const KeptFrame& kept : view.kept) ids += kept.visible->size();
-  while (view.kept.size() > limits_.kept_frames ||
-         (view.kept.size() > 1 && ids > limits_.kept_ids)) {
-    ids -= view.kept.front().visible->size();
-    view.kept.pop_front();
-  }
-}
-
-void Session::startCull(std::uint32_t number, View& view) {
-  // A client's own edits come first, so that its next answer shows them.
-  if (view.running || view.unsent || !view.mailbox || editing_ || closed_) return;
-  SceneVersionPtr scene = scene_->current();
-  if (scene->epoch() != told_epoch_) noticeScene();
-  CullJob job;
-  job.request_id = view.mailbox->request_id;
-  job.view = number;
-  job.incarnation = view.incarnation;
-  job.frame = ++view.last_frame;
-  if (!view.kept.empty() && view.kept.front().frame == view.acked_frame) {
-    job.baseline_frame = view.acked_frame;
-    job.baseline = view.kept.front().visible;
-  }
-  job.superseded = std::exchange(view.superseded, 0);
-  job.scene_name = scene_->name();
-  job.scene = std::move(scene);
-  job.method = view.method;
-  job.want_seen = view.want_seen;
-  job.camera = view.mailbox->camera;
-  job.demand = view.mailbox->demand;
-  job.memory = view.memory;
-  job.received = view.mailbox->received;
-  job.expected = view.last_took;
-  view.mailbox.reset();
-  view.running = true;
-  ++jobs_;
-  actions_.emplace_back(StartCull{std::move(job)});
-}
-
-void Session::startCulls() {
-  for (auto& [number, view] : views_) startCull(number, view);
-}
-
 void Session::startEdit() {
   if (editing_ || waiting_edits_.empty()) return;
   editing_ = true;
@@ -342,14 +325,4 @@ void Session::noticeScene() {
            {SendTag::Kind::kNotice, 0, 0},
            {}});
 }
-
-void Session::forgetFrames() {
-  for (auto& [number, view] : views_) {
-    view.kept.clear();
-    view.acked_frame = 0;
-    view.last_took = {};  // what the new scene costs is not known
-    view.memory = std::make_shared<ViewMemory>();
-  }
-}
-
 }  // namespace culld::server

@@ -48,8 +48,9 @@ using Action = std::variant<Send, StartCull, StartEdit, Close>;
 using Actions = std::vector<Action>;
 
 /// GUARANTEES: at most one job and one unsent answer per view; a newer camera replaces a waiting
-/// one; the newest camera of a view is always answered; edits of one client are applied in order
-/// and seen by its later cameras. THREADS: one at a time.
+/// one; the newest camera of a view is answered, or refused with a reason: a fault, its deadline,
+/// or that it was cancelled; edits of one client are applied in order and seen by its later
+/// cameras. THREADS: one at a time.
 class Session {
  public:
   Session(std::shared_ptr<Scene> scene, const SessionLimits& limits, std::string server_name,
@@ -66,6 +67,10 @@ class Session {
   /// The scene was edited or replaced, by whomever.
   Actions sceneMoved();
   Actions tick(Time now);
+  /// When tick() is due next; none: not before something else happens.
+  std::optional<Time> nextTick() const;
+  /// Nobody is left to read answers: culls that have not begun are given up.
+  void hangUp();
   /// No further work is taken; what runs is finished. See drained().
   Actions goAway(const std::string& reason);
 
@@ -80,6 +85,14 @@ class Session {
     Camera camera;
     Demand demand;
     Time received{0};
+    std::optional<Time> deadline;
+  };
+  struct RunningCull {
+    std::uint64_t request_id = 0;
+    std::optional<Time> deadline;
+    std::shared_ptr<JobGate> gate;
+    bool refused = false;  ///< replied to already: its outcome is not sent
+    bool queued = true;    ///< as far as is known: its deadline is to be watched
   };
   struct KeptFrame {
     std::uint32_t frame = 0;
@@ -92,7 +105,7 @@ class Session {
     std::uint32_t last_frame = 0;
     std::uint32_t acked_frame = 0;  ///< 0: the client holds none
     std::uint32_t superseded = 0;
-    bool running = false;
+    std::optional<RunningCull> running;
     bool unsent = false;
     std::optional<WaitingCamera> mailbox;
     std::deque<KeptFrame> kept;  ///< ascending by frame
@@ -106,10 +119,17 @@ class Session {
   void handle(std::uint64_t id, const protocol::CameraUpdate& m);
   void handle(std::uint64_t id, protocol::Edit& m);
   void handle(std::uint64_t id, const protocol::Ping& m);
+  void handle(std::uint64_t id, const protocol::Cancel& m);
   void dispatch(protocol::Message& message);
 
   void reply(std::uint64_t id, protocol::Body body);
   void fail(std::uint64_t id, protocol::WireCode code, const std::string& message);
+  void giveUp(View& view);
+  bool full() const;
+  std::string fullText() const;
+  void refuseWaiting(std::uint32_t number, View& view, protocol::WireCode code, const char* why);
+  void refuseRunning(std::uint32_t number, View& view, protocol::WireCode code, const char* why);
+  void expire(std::uint32_t number, View& view);
   void acknowledge(View& view, std::uint32_t frame);
   void keep(View& view, std::uint32_t frame, IdSetPtr visible);
   void startCull(std::uint32_t number, View& view);

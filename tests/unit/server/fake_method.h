@@ -29,7 +29,9 @@ class FakeMethod : public Method {
   explicit FakeMethod(std::string name = "fake") : name_(std::move(name)) {}
 
   // Set before use.
-  std::function<void()> on_cull;           ///< called in the middle of each cull
+  std::function<void()> on_cull;  ///< called in the middle of each cull
+  std::function<void(const Demand&)> on_demand;
+  std::function<void()> on_prepare;
   std::function<void(Answer&)> on_answer;  ///< may change each answer
   std::string refusal;                     ///< not empty: no scene is accepted
   bool fails_to_prepare = false;
@@ -47,6 +49,7 @@ class FakeMethod : public Method {
   }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock&) const override {
     ++prepared;
+    if (on_prepare) on_prepare();
     if (fails_to_prepare) return Error{ErrorCode::kUnavailable, "no memory"};
     return std::unique_ptr<Culler>(std::make_unique<FakeCuller>(*this, std::move(scene)));
   }
@@ -65,7 +68,8 @@ class FakeMethod : public Method {
     FakeCuller(const FakeMethod& method, SnapshotPtr scene)
         : method_(method), scene_(std::move(scene)) {}
 
-    Answer cull(const Camera& camera, const Demand&, ViewState& view) const override {
+    Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
+      if (method_.on_demand) method_.on_demand(demand);
       if (method_.on_cull) method_.on_cull();
       Answer answer;
       answer.visible = fakeVisible(*scene_, camera.origin_world.x);
