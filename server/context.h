@@ -9,6 +9,7 @@
 
 #include "culling/core/clock.h"
 #include "server/address_counts.h"
+#include "server/edit_queue.h"
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/metrics.h"
@@ -35,8 +36,9 @@ struct Context {
   SceneStore& store;
   Metrics& metrics;
   Log& log;
-  WorkerPool& workers;  ///< culling and edits
+  WorkerPool& workers;  ///< culling
   WorkerPool& loaders;  ///< uploads: slow, so they do not keep cameras waiting
+  EditQueue& edits;
   /// Runs on the I/O thread, soon. THREADS: any.
   std::function<void(std::function<void()>)> onIoThread;
   const std::chrono::nanoseconds started;

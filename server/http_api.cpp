@@ -5,6 +5,7 @@
 
 #include "protocol/text.h"
 #include "protocol/version.h"
+#include "server/disk.h"
 #include "server/plan_summary.h"
 #include "server/status_page.h"
 
@@ -25,13 +26,6 @@ HttpReply textReply(unsigned status, std::string body) {
   return {status, "text/plain; charset=utf-8", std::move(body) + "\n", {}};
 }
 
-std::string hex(std::uint64_t value) {
-  static constexpr char kDigits[] = "0123456789abcdef";
-  std::string out(16, '0');
-  for (std::size_t i = 16; i-- > 0; value >>= 4) out[i] = kDigits[value & 15U];
-  return out;
-}
-
 json describeScene(const std::string& name, const SceneEntry& entry) {
   const SceneVersionPtr version = entry.scene->current();
   const SceneSnapshot& scene = *version->snapshot();
@@ -40,7 +34,7 @@ json describeScene(const std::string& name, const SceneEntry& entry) {
           {"objects", scene.objectCount()},
           {"triangles", scene.triangleCount()},
           {"version", scene.version()},
-          {"hash", hex(scene.contentHash())},
+          {"hash", hex16(scene.contentHash())},
           {"bytes", entry.file_bytes},
           {"method", method ? std::string(method.value()->info().name) : ""},
           {"warnings", std::vector<std::string>(scene.warnings().begin(), scene.warnings().end())}};
@@ -139,7 +133,8 @@ HttpReply removeScene(const std::string& name, Context& context) {
   const auto removed = context.store.remove(name);
   if (!removed) return errorReply(removed.error());
   context.onIoThread([&context, scene = removed.value()] {
-    context.metrics.scenesHeld(context.store.names());
+    context.metrics.scenesHeld(context.store.names(), context.store.damaged().size());
+    if (scene == nullptr) return;  // nobody was served what was damaged
     context.goAway(scene.get(), "scene \"" + scene->name() + "\" was removed");
   });
   return {204, "application/json", "", {}};
@@ -311,7 +306,7 @@ HttpReply finishPut(const std::string& scene, Upload upload, Context& context) {
   const auto at = scenes.find(scene);
   if (at == scenes.end()) return errorReply(404, "scene \"" + scene + "\" was removed meanwhile");
   context.onIoThread([&context, held = at->second.scene] {
-    context.metrics.scenesHeld(context.store.names());
+    context.metrics.scenesHeld(context.store.names(), context.store.damaged().size());
     context.sceneMoved(held.get());
   });
   return {fresh.value() ? 201U : 200U, "application/json", sceneJson(scene, at->second), {}};

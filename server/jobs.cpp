@@ -117,6 +117,22 @@ void cullInto(CullOutcome& outcome, const Clock& clock) {
   outcome.visible = std::make_shared<const protocol::IdSet>(std::move(answer.visible));
 }
 
+EditDone editRefused(const EditJob& job, WireCode code, const std::string& what) {
+  return {errorMessage(job.request_id, code, what), code, false};
+}
+
+EditDone editDone(const EditJob& job, const Result<EditOutcome>& edited) {
+  if (!edited) {
+    const WireCode code = edited.error().code == ErrorCode::kUnavailable
+                              ? WireCode::kConflict
+                              : toWire(edited.error().code, WireCode::kInvalidEdit);
+    return editRefused(job, code, edited.error().message);
+  }
+  const EditOutcome& outcome = edited.value();
+  return {protocol::encode({job.request_id, protocol::Edited{outcome.version, outcome.added}}),
+          WireCode::kNone, true};
+}
+
 }  // namespace
 
 CullOutcome runCull(CullJob job, const Clock& clock) {
@@ -136,25 +152,21 @@ CullOutcome runCull(CullJob job, const Clock& clock) {
   return outcome;
 }
 
-EditDone runEdit(Scene& scene, const EditJob& job) {
-  const auto fail = [&job](WireCode code, const std::string& what) {
-    return EditDone{errorMessage(job.request_id, code, what), code, false};
-  };
+std::vector<EditDone> runEdits(Scene& scene, std::span<const EditJob> jobs) {
+  std::vector<EditDone> done;
   try {
-    const auto edits = toEngine(job.edits);
-    const auto edited = scene.edit(edits, job.expected_version);
-    if (!edited) {
-      const WireCode code = edited.error().code == ErrorCode::kUnavailable
-                                ? WireCode::kConflict
-                                : toWire(edited.error().code, WireCode::kInvalidEdit);
-      return fail(code, edited.error().message);
-    }
-    const EditOutcome& done = edited.value();
-    return {protocol::encode({job.request_id, protocol::Edited{done.version, done.added}}),
-            WireCode::kNone, true};
+    std::vector<EditRequest> requests;
+    for (const EditJob& job : jobs) requests.push_back({toEngine(job.edits), job.expected_version});
+    const auto outcomes = scene.edit(requests);
+    for (std::size_t i = 0; i < jobs.size(); ++i) done.push_back(editDone(jobs[i], outcomes[i]));
   } catch (const std::exception& failure) {
-    return fail(WireCode::kInternal, failure.what());
+    // What was answered was not sent: all of them hear the same.
+    done.clear();
+    for (const EditJob& job : jobs) {
+      done.push_back(editRefused(job, WireCode::kInternal, failure.what()));
+    }
   }
+  return done;
 }
 
 }  // namespace culld::server

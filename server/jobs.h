@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -87,6 +88,7 @@ struct EditDone {
 /// Never throws: what a culler throws becomes an Error message. What is left until the deadline
 /// bounds the time of the cull, which is cut short as by Demand::time; past it nothing is begun.
 CullOutcome runCull(CullJob job, const Clock& clock);
-EditDone runEdit(Scene& scene, const EditJob& job);
+/// One outcome per job, in their order; what the scene keeps of them it keeps in one go.
+std::vector<EditDone> runEdits(Scene& scene, std::span<const EditJob> jobs);
 
 }  // namespace culld::server

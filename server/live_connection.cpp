@@ -214,11 +214,12 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
   void startEdit(EditJob job) {
-    context_.workers.post([self = shared_from_this(), job = std::move(job)]() mutable {
-      Context& context = self->context_;
-      auto done = std::make_shared<EditDone>(runEdit(*self->session_.scene(), job));
-      context.onIoThread([self = std::move(self), done] { self->edited(std::move(*done)); });
-    });
+    context_.edits.post(
+        session_.scene(), std::move(job), [self = shared_from_this()](EditDone outcome) mutable {
+          Context& context = self->context_;
+          auto done = std::make_shared<EditDone>(std::move(outcome));
+          context.onIoThread([self = std::move(self), done] { self->edited(std::move(*done)); });
+        });
   }
 
   void edited(EditDone done) {

@@ -55,6 +55,8 @@ struct Metrics::Impl {
   Gauge& sessions = gauge(registry, "culld_sessions", "Open live sessions");
   Gauge& views = gauge(registry, "culld_views", "Open views");
   Gauge& scenes = gauge(registry, "culld_scenes", "Scenes held");
+  Gauge& damaged =
+      gauge(registry, "culld_scenes_damaged", "Scenes stored, but damaged and not served");
   Counter& refused = counter(registry, "culld_connections_refused_total",
                              "Connections refused because there were too many");
   AnswerMetrics answers{registry};
@@ -122,8 +124,9 @@ void Metrics::httpRequest(std::string_view method, unsigned status) {
       .Increment();
 }
 
-void Metrics::scenesHeld(const std::set<std::string>& names) {
+void Metrics::scenesHeld(const std::set<std::string>& names, std::size_t damaged) {
   impl_->scenes.Set(static_cast<double>(names.size()));
+  impl_->damaged.Set(static_cast<double>(damaged));
   impl_->answers.keepScenes(names);
 }
 

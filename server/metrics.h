@@ -53,7 +53,8 @@ class Metrics {
   void received(std::size_t bytes);
   void httpRequest(std::string_view method, unsigned status);
   /// The scenes from now on; what was counted about others is dropped.
-  void scenesHeld(const std::set<std::string>& names);
+  /// `damaged`: so many more are stored and not served.
+  void scenesHeld(const std::set<std::string>& names, std::size_t damaged);
 
   /// At the start, and at each reload: whether the configuration was taken.
   void configRead(bool good);

@@ -71,9 +71,11 @@ SceneVersionPtr SceneVersion::edited(SnapshotPtr next, std::span<const ObjectId>
   return version;
 }
 
-Scene::Scene(std::string name, Methods methods, SnapshotPtr snapshot)
+Scene::Scene(std::string name, Methods methods, SnapshotPtr snapshot,
+             std::unique_ptr<EditStore> store)
     : name_(std::move(name)),
       methods_(methods),
+      store_(std::move(store)),
       current_(std::make_shared<SceneVersion>(methods, std::move(snapshot), 1)) {}
 
 SceneVersionPtr Scene::current() const {
@@ -86,30 +88,87 @@ void Scene::publish(SceneVersionPtr next) {
   current_.swap(next);  // the old one dies outside, in `next`'s owner
 }
 
-Result<EditOutcome> Scene::edit(std::span<const Edit> edits, std::uint64_t expected_version) {
-  const std::lock_guard lock(writers_);
-  const SceneVersionPtr before = current();
-  const std::uint64_t version = before->snapshot()->version();
-  if (expected_version != 0 && expected_version != version) {
-    return Error{ErrorCode::kUnavailable, "edit: scene \"" + name_ + "\" is at version " +
+namespace {
+
+/// One request on top of `scene`, which becomes what it made.
+Result<EditOutcome> applyRequest(const std::string& name, const EditRequest& request,
+                                 SnapshotPtr& scene, std::vector<ObjectId>& changed) {
+  const std::uint64_t version = scene->version();
+  if (request.expected_version != 0 && request.expected_version != version) {
+    return Error{ErrorCode::kUnavailable, "edit: scene \"" + name + "\" is at version " +
                                               std::to_string(version) + ", not " +
-                                              std::to_string(expected_version)};
+                                              std::to_string(request.expected_version)};
   }
-  auto edited = applyEdits(before->snapshot(), edits);
+  auto edited = applyEdits(scene, request.edits);
   if (!edited) return edited.error();
+  const EditedScene& next = edited.value();
   EditOutcome outcome;
-  const auto& next = edited.value();
   outcome.version = next.snapshot->version();
-  for (auto id = before->snapshot()->objectCount(); id < next.snapshot->objectCount(); ++id) {
+  for (auto id = scene->objectCount(); id < next.snapshot->objectCount(); ++id) {
     outcome.added.push_back(static_cast<ObjectId>(id));
   }
-  publish(before->edited(next.snapshot, next.changed));
+  changed.insert(changed.end(), next.changed.begin(), next.changed.end());
+  scene = next.snapshot;
   return outcome;
 }
 
-void Scene::replace(SnapshotPtr snapshot) {
+}  // namespace
+
+std::vector<Result<EditOutcome>> Scene::edit(std::span<const EditRequest> requests) {
   const std::lock_guard lock(writers_);
-  publish(std::make_shared<SceneVersion>(methods_, std::move(snapshot), current()->epoch() + 1));
+  const SceneVersionPtr before = current();
+  SnapshotPtr next = before->snapshot();
+  std::vector<Result<EditOutcome>> outcomes;
+  std::vector<ObjectId> changed;
+  std::vector<Edit> applied;
+  for (const EditRequest& request : requests) {
+    outcomes.push_back(applyRequest(name_, request, next, changed));
+    if (!outcomes.back()) continue;
+    applied.insert(applied.end(), request.edits.begin(), request.edits.end());
+  }
+  if (next == before->snapshot()) return outcomes;
+  std::sort(changed.begin(), changed.end());
+  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  // All that may fail comes before the commit: what is on disk must become what is served.
+  SceneVersionPtr version = before->edited(next, changed);
+  if (store_) {
+    const auto kept = store_->commit(*before->snapshot(), *next, applied);
+    if (!kept) {
+      // Of all: some may have failed only for what came before them, which never was.
+      for (auto& outcome : outcomes) outcome = Error{kept.error().code, kept.error().message};
+      return outcomes;
+    }
+  }
+  publish(std::move(version));
+  return outcomes;
+}
+
+void Scene::tidy() {
+  const std::lock_guard lock(writers_);
+  if (store_) store_->tidy();
+}
+
+void Scene::replace(SnapshotPtr snapshot, std::unique_ptr<EditStore> store) {
+  auto next = std::make_shared<SceneVersion>(methods_, std::move(snapshot), current()->epoch() + 1);
+  const std::lock_guard lock(writers_);
+  if (store_) store_->discard();
+  store_ = std::move(store);
+  publish(std::move(next));
+}
+
+void Scene::restore(const EditedScene& edited) {
+  const std::lock_guard lock(writers_);
+  publish(current()->edited(edited.snapshot, edited.changed));
+}
+
+void Scene::retire() {
+  const std::lock_guard lock(writers_);
+  if (store_) store_->discard();
+}
+
+void Scene::haltEdits(const std::string& reason) {
+  const std::lock_guard lock(writers_);
+  if (store_) store_->halt(reason);
 }
 
 }  // namespace culld::server

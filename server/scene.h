@@ -12,6 +12,7 @@
 
 #include "culling/culler.h"
 #include "culling/scene/edit.h"
+#include "server/edit_store.h"
 
 namespace culld::server {
 
@@ -64,26 +65,44 @@ struct EditOutcome {
   std::vector<ObjectId> added;
 };
 
+struct EditRequest {
+  std::vector<Edit> edits;
+  std::uint64_t expected_version = 0;  ///< 0: any
+};
+
 class Scene {
  public:
-  Scene(std::string name, Methods methods, SnapshotPtr snapshot);
+  /// `store`: where edits are kept; none: they live as long as the scene.
+  Scene(std::string name, Methods methods, SnapshotPtr snapshot,
+        std::unique_ptr<EditStore> store = nullptr);
 
   const std::string& name() const noexcept { return name_; }
   SceneVersionPtr current() const;
 
-  /// All edits or none; `expected_version` 0 stands for any. Visible to every current() that comes
-  /// after. ERROR: kUnavailable: at another version; else as applyEdits.
-  Result<EditOutcome> edit(std::span<const Edit> edits, std::uint64_t expected_version);
+  /// Requests one after the other, each all or none, with one commit for all of them together.
+  /// GUARANTEES: those that succeed are on disk, if there is a store, and then visible to every
+  /// current() that comes after. ERROR: kUnavailable: at another version; kIo: of the store, and
+  /// none of the requests was carried out; else as applyEdits.
+  std::vector<Result<EditOutcome>> edit(std::span<const EditRequest> requests);
+  /// What an edit leaves to be done once it was answered.
+  void tidy();
 
-  /// Another scene under the same name.
-  void replace(SnapshotPtr snapshot);
+  /// Another scene under the same name; the edits of this one are over.
+  void replace(SnapshotPtr snapshot, std::unique_ptr<EditStore> store = nullptr);
+  /// Goes on from `edited`, the current version as earlier edits left it.
+  void restore(const EditedScene& edited);
+  /// The scene is removed: its edits go, and no more are taken.
+  void retire();
+  /// No more edits, with this reason: they could not be kept.
+  void haltEdits(const std::string& reason);
 
  private:
   void publish(SceneVersionPtr next);
 
   const std::string name_;
   const Methods methods_;
-  std::mutex writers_;                ///< one at a time
+  std::mutex writers_;  ///< one at a time; guards store_
+  std::unique_ptr<EditStore> store_;
   mutable std::mutex current_mutex_;  ///< held for a pointer's copy only
   SceneVersionPtr current_;
 };

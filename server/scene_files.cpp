@@ -2,15 +2,15 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <cstring>
+#include <optional>
 #include <utility>
+
+#include "server/scene_seal.h"
 
 namespace culld::server {
 namespace {
@@ -19,97 +19,41 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kSuffix = ".scene";
 
-Error ioError(const std::string& what) {
-  return {ErrorCode::kIo, what + ": " + std::strerror(errno)};
-}
+struct StoredName {
+  std::string name;
+  std::uint64_t serial = 0;
+};
 
-Result<void> syncFolder(const fs::path& folder) {
-  const FileDescriptor fd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (fd.get() < 0) return ioError(folder.string() + ": cannot open");
-  if (::fsync(fd.get()) != 0) return ioError(folder.string() + ": cannot sync");
-  return Done{};
-}
-
-Result<void> makeFolder(const fs::path& folder) {
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) {
-    return Error{ErrorCode::kIo, folder.string() + ": cannot make: " + failure.message()};
-  }
-  return Done{};
+/// "NAME~0123456789abcdef.scene"
+std::optional<StoredName> storedName(std::string_view file) {
+  if (!file.ends_with(kSuffix)) return std::nullopt;
+  file.remove_suffix(kSuffix.size());
+  const auto tilde = file.find('~');
+  if (tilde == std::string_view::npos) return std::nullopt;
+  const auto serial = fromHex16(file.substr(tilde + 1));
+  if (!serial || !validSceneName(file.substr(0, tilde))) return std::nullopt;
+  return StoredName{std::string(file.substr(0, tilde)), *serial};
 }
 
 }  // namespace
-
-bool validSceneName(std::string_view name) noexcept {
-  if (name.empty() || name.size() > 64 || name.front() == '.') return false;
-  return std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' ||
-           c == '_' || c == '-';
-  });
-}
-
-FileDescriptor::FileDescriptor(FileDescriptor&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)) {}
-
-FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-FileDescriptor::~FileDescriptor() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
-Result<MappedFile> MappedFile::open(const fs::path& path) {
-  const FileDescriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  struct stat info {};
-  if (fd.get() < 0 || ::fstat(fd.get(), &info) != 0) {
-    return ioError(path.filename().string() + ": cannot read");
-  }
-  MappedFile file;
-  file.size_ = static_cast<std::size_t>(info.st_size);
-  if (file.size_ == 0) return file;
-  void* data = ::mmap(nullptr, file.size_, PROT_READ, MAP_PRIVATE, fd.get(), 0);
-  if (data == MAP_FAILED) {
-    file.size_ = 0;
-    return ioError(path.filename().string() + ": cannot map");
-  }
-  file.data_ = static_cast<const std::byte*>(data);
-  return file;
-}
-
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  std::swap(data_, other.data_);
-  std::swap(size_, other.size_);
-  return *this;
-}
-
-MappedFile::~MappedFile() {
-  if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
-}
 
 Upload::Upload(FileDescriptor file, fs::path path)
     : file_(std::move(file)), path_(std::move(path)) {}
 
 Upload::Upload(Upload&& other) noexcept
-    : file_(std::move(other.file_)), path_(std::exchange(other.path_, {})), size_(other.size_) {}
+    : file_(std::move(other.file_)),
+      path_(std::exchange(other.path_, {})),
+      size_(other.size_),
+      checksum_(std::move(other.checksum_)) {}
 
 Upload::~Upload() {
   if (!path_.empty()) ::unlink(path_.c_str());
 }
 
 Result<void> Upload::append(std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(file_.get(), bytes.data(), bytes.size());
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return ioError("upload: cannot write");
-    bytes = bytes.subspan(static_cast<std::size_t>(n));
-    size_ += static_cast<std::uint64_t>(n);
-  }
+  if (auto written = writeAll(file_, bytes, "upload"); !written) return written;
+  checksum_.add(bytes);
+  size_ += bytes.size();
   return Done{};
 }
 
@@ -144,24 +88,52 @@ Result<void> SceneFiles::prepare() {
   }
   std::error_code failure;
   fs::remove_all(folder_ / "uploads", failure);  // half uploads of a process that is gone
-  return makeFolder(folder_ / "uploads");
+  if (auto made = makeFolder(folder_ / "uploads"); !made) return made;
+  const auto scenes = stored();
+  if (!scenes) return scenes.error();
+  for (const auto& [name, serial] : scenes.value().scenes) skipSerial(serials_, serial);
+  return Done{};
 }
 
-std::vector<std::string> SceneFiles::names() const {
-  std::vector<std::string> names;
+Result<SceneFiles::Stored> SceneFiles::stored() const {
+  Stored stored;
   std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder_ / "scenes", failure)) {
-    std::string name = entry.path().filename().string();
-    if (!name.ends_with(kSuffix)) continue;
-    name.resize(name.size() - kSuffix.size());
-    if (validSceneName(name)) names.push_back(std::move(name));
+  fs::directory_iterator entry(folder_ / "scenes", failure);
+  for (; !failure && entry != fs::directory_iterator(); entry.increment(failure)) {
+    const std::string file = entry->path().filename().string();
+    if (const auto scene = storedName(file)) {
+      std::uint64_t& serial = stored.scenes[scene->name];
+      serial = std::max(serial, scene->serial);
+    } else {
+      stored.foreign.push_back(file);
+    }
   }
-  std::sort(names.begin(), names.end());
-  return names;
+  if (failure) {
+    return Error{ErrorCode::kIo,
+                 (folder_ / "scenes").string() + ": cannot read: " + failure.message()};
+  }
+  std::sort(stored.foreign.begin(), stored.foreign.end());
+  return stored;
 }
 
-fs::path SceneFiles::pathOf(const std::string& name) const {
-  return folder_ / "scenes" / (name + std::string(kSuffix));
+fs::path SceneFiles::pathOf(const std::string& name, std::uint64_t serial) const {
+  return folder_ / "scenes" / (name + "~" + hex16(serial) + std::string(kSuffix));
+}
+
+Result<std::vector<std::uint64_t>> SceneFiles::serialsOf(const std::string& name) const {
+  std::vector<std::uint64_t> serials;
+  std::error_code failure;
+  fs::directory_iterator entry(folder_ / "scenes", failure);
+  for (; !failure && entry != fs::directory_iterator(); entry.increment(failure)) {
+    const auto scene = storedName(entry->path().filename().string());
+    if (scene && scene->name == name) serials.push_back(scene->serial);
+  }
+  if (failure) {
+    return Error{ErrorCode::kIo,
+                 (folder_ / "scenes").string() + ": cannot read: " + failure.message()};
+  }
+  std::sort(serials.begin(), serials.end());
+  return serials;
 }
 
 Result<Upload> SceneFiles::beginUpload() {
@@ -171,21 +143,53 @@ Result<Upload> SceneFiles::beginUpload() {
   return Upload(std::move(file), path);
 }
 
-Result<void> SceneFiles::commit(Upload& upload, const std::string& name) {
+Result<void> SceneFiles::refuseIfHalted() const {
+  if (!halted_) return Done{};
+  return Error{ErrorCode::kIo, folder_.string() +
+                                   ": an earlier change failed and could not be undone; no more "
+                                   "are made before a new start"};
+}
+
+Result<std::uint64_t> SceneFiles::commit(Upload& upload, const std::string& name) {
+  if (auto fine = refuseIfHalted(); !fine) return fine.error();
+  const Seal seal = makeSeal(upload.size_, upload.checksum_.digest());
+  if (auto sealed = writeAll(upload.file_, seal, "upload"); !sealed) return sealed.error();
   if (::fsync(upload.file_.get()) != 0) return ioError("upload: cannot sync");
-  if (::rename(upload.path_.c_str(), pathOf(name).c_str()) != 0) {
-    return ioError("upload: cannot rename");
+  const std::uint64_t serial = serials_++;
+  MoveOutcome move = moveDurably(upload.path_, pathOf(name, serial), folder_ / "scenes");
+  if (!move.moved) {
+    halted_ = !move.undone;
+    return Error{move.moved.error().code, "upload: " + move.moved.error().message};
   }
   upload.path_.clear();
-  return syncFolder(folder_ / "scenes");
+  removeOlder(name, serial);
+  return serial;
+}
+
+void SceneFiles::removeOlder(const std::string& name, std::uint64_t serial) {
+  const auto serials = serialsOf(name);
+  if (!serials) return;  // they go at the next start, or with the name
+  for (const std::uint64_t older : serials.value()) {
+    if (older < serial) ::unlink(pathOf(name, older).c_str());
+  }
 }
 
 Result<void> SceneFiles::erase(const std::string& name) {
-  if (::unlink(pathOf(name).c_str()) != 0) {
-    if (errno == ENOENT) return Done{};
-    return ioError("scene \"" + name + "\": cannot remove");
+  if (auto fine = refuseIfHalted(); !fine) return fine;
+  const auto serials = serialsOf(name);
+  if (!serials) return serials.error();
+  // The newest goes last: were an older one left behind, it would come back.
+  for (const std::uint64_t serial : serials.value()) {
+    const fs::path gone = folder_ / "uploads" / ("gone~" + hex16(serial));
+    MoveOutcome move = moveDurably(pathOf(name, serial), gone, folder_ / "scenes");
+    if (!move.moved) {
+      halted_ = !move.undone;
+      return Error{move.moved.error().code,
+                   "scene \"" + name + "\": cannot remove: " + move.moved.error().message};
+    }
+    ::unlink(gone.c_str());
   }
-  return syncFolder(folder_ / "scenes");
+  return Done{};
 }
 
 }  // namespace culld::server

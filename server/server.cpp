@@ -27,6 +27,9 @@ using asio::ip::tcp;
 using asio::local::stream_protocol;
 using boost::system::error_code;
 
+/// One can wait for the disk while another prepares a method for an edit.
+constexpr std::size_t kEditThreads = 2;
+
 Error cannotBind(const std::string& where, const error_code& failure) {
   return {ErrorCode::kUnavailable, where + ": cannot listen: " + failure.message()};
 }
@@ -145,9 +148,11 @@ void removeStaleSocket(const std::string& path, asio::io_context& io) {
 }  // namespace
 
 struct Server::Impl {
-  Impl(ServerOptions given, std::unique_ptr<SceneFiles> files)
+  Impl(ServerOptions given, std::unique_ptr<SceneFiles> files,
+       std::unique_ptr<EditFolder> edit_folder)
       : options(std::move(given)),
-        store(std::move(files), options.methods, options.limits.max_scenes, options.load),
+        store(std::move(files), std::move(edit_folder), options.methods, options.limits.max_scenes,
+              options.load),
         context{options.limits,
                 serverName(),
                 steadyClock(),
@@ -156,12 +161,14 @@ struct Server::Impl {
                 options.log ? *options.log : silent,
                 workers,
                 loaders,
+                edits,
                 [this](std::function<void()> task) { asio::post(io, std::move(task)); },
                 steadyClock().now(),
                 {},
                 0},
         workers(options.threads),
-        loaders(1) {}
+        loaders(1),
+        edits(kEditThreads) {}
 
   ~Impl() {
     io.stop();
@@ -260,6 +267,7 @@ struct Server::Impl {
   std::vector<std::string> addresses;
   WorkerPool workers;
   WorkerPool loaders;
+  EditQueue edits;
   std::thread io_thread;
 };
 
@@ -269,7 +277,14 @@ Server::~Server() = default;
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options) {
   auto files = SceneFiles::open(options.data_folder);
   if (!files) return files.error();
-  auto impl = std::make_unique<Impl>(std::move(options), std::move(files).value());
+  std::unique_ptr<EditFolder> edits;
+  if (!files.value()->temporary()) {
+    auto kept = EditFolder::open(files.value()->folder() / "edits", files.value()->serials());
+    if (!kept) return kept.error();
+    edits = std::move(kept).value();
+  }
+  auto impl =
+      std::make_unique<Impl>(std::move(options), std::move(files).value(), std::move(edits));
   if (auto listening = impl->listen(); !listening) return listening.error();
   impl->accept();
   impl->io_thread = std::thread([io = &impl->io] { io->run(); });
@@ -289,13 +304,19 @@ void Server::whenAlive(std::function<void()> task) { asio::post(impl_->io, std::
 void Server::configRead(bool good) { impl_->metrics.configRead(good); }
 
 Result<std::vector<std::string>> Server::loadScenes() {
-  auto failures = impl_->store.loadAll();
+  SceneStore& store = impl_->store;
+  std::set<std::string> given;
+  for (const auto& [name, path] : impl_->options.scene_files) given.insert(name);
+  auto lines = store.loadAll(given);
+  if (!lines) return lines;
   for (const auto& [name, path] : impl_->options.scene_files) {
-    if (auto added = impl_->store.addFile(name, path); !added) return added.error();
+    auto added = store.addFile(name, path);
+    if (!added) return added.error();
+    if (added.value()) lines.value().push_back(*added.value());
   }
-  impl_->metrics.scenesHeld(impl_->store.names());
+  impl_->metrics.scenesHeld(store.names(), store.damaged().size());
   impl_->context.ready = true;
-  return failures;
+  return lines;
 }
 
 void Server::drain() {

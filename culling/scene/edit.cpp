@@ -17,7 +17,7 @@ class SceneEditor {
     return std::visit([this](const auto& e) { return on(e); }, edit);
   }
 
-  EditedScene finish() {
+  EditedScene finish(std::uint64_t version) {
     std::sort(changed_.begin(), changed_.end());
     changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
     scene_->chunk_hashes_.resize(scene_->instances_.chunkCount());
@@ -28,7 +28,7 @@ class SceneEditor {
       scene_->chunk_hashes_[c] = hashInstances(scene_->instances_.chunk(c));
     }
     scene_->content_hash_ = scene_->combinedHash();
-    ++scene_->version_;
+    scene_->version_ = version;
     return {std::move(scene_), std::move(changed_)};
   }
 
@@ -105,12 +105,17 @@ class SceneEditor {
   std::vector<ObjectId> changed_;
 };
 
-Result<EditedScene> applyEdits(const SnapshotPtr& scene, std::span<const Edit> edits) {
+Result<EditedScene> restoreEdits(const SnapshotPtr& scene, std::span<const Edit> edits,
+                                 std::uint64_t version) {
   SceneEditor editor(*scene);
   for (const Edit& edit : edits) {
     if (auto applied = editor.apply(edit); !applied) return std::move(applied).error();
   }
-  return editor.finish();
+  return editor.finish(version);
+}
+
+Result<EditedScene> applyEdits(const SnapshotPtr& scene, std::span<const Edit> edits) {
+  return restoreEdits(scene, edits, scene->version() + 1);
 }
 
 }  // namespace culld

@@ -41,4 +41,9 @@ struct EditedScene {
 /// not finite. COST: O(edits * chunk) plus one pointer per chunk of the scene.
 Result<EditedScene> applyEdits(const SnapshotPtr& scene, std::span<const Edit> edits);
 
+/// applyEdits() for edits that were made before and are brought back: the scene gets the version
+/// that it had then.
+Result<EditedScene> restoreEdits(const SnapshotPtr& scene, std::span<const Edit> edits,
+                                 std::uint64_t version);
+
 }  // namespace culld

@@ -138,7 +138,7 @@ class Play {
     if (edits_.empty()) return;
     EditJob job = std::move(edits_.front());
     edits_.pop_front();
-    absorb(session_.edited(runEdit(*scene_, job)));
+    absorb(session_.edited(runEdits(*scene_, {&job, 1}).front()));
   }
 
   void reportSent() {

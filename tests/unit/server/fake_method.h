@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "server/scene.h"
 #include "tests/scenes/row_of_objects.h"
 
 namespace culld::server {
@@ -98,5 +99,12 @@ class FakeMethod : public Method {
 };
 
 using scenes::rowOfObjects;
+
+/// One request by itself.
+inline Result<EditOutcome> editScene(Scene& scene, std::vector<Edit> edits,
+                                     std::uint64_t expected_version = 0) {
+  const EditRequest request{std::move(edits), expected_version};
+  return scene.edit({&request, 1}).front();
+}
 
 }  // namespace culld::server

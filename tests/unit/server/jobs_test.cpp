@@ -37,7 +37,7 @@ TEST_F(JobsTest, AViewRemembersAcrossAnEditAndIsToldOfIt) {
   auto stats = cullOnce(memory);
   EXPECT_EQ(stats.nodes_visited, 2U) << "culls that the view knows of";
   EXPECT_EQ(stats.occluders_drawn, 0U) << "edits that it knows of";
-  ASSERT_TRUE(scene.edit(std::vector<Edit>{HideObject{3}}, 0).ok());
+  ASSERT_TRUE(editScene(scene, {HideObject{3}}).ok());
   stats = cullOnce(memory);
   EXPECT_EQ(stats.nodes_visited, 3U);
   EXPECT_EQ(stats.occluders_drawn, 1U);

@@ -25,8 +25,10 @@ class SceneStoreTest : public ::testing::Test {
   std::unique_ptr<SceneStore> open(std::size_t max_scenes = 10) {
     auto files = SceneFiles::open(folder);
     EXPECT_TRUE(files.ok());
-    return std::make_unique<SceneStore>(std::move(files).value(), Methods(table), max_scenes,
-                                        LoadOptions{});
+    auto edits = EditFolder::open(folder / "edits", files.value()->serials());
+    EXPECT_TRUE(edits.ok());
+    return std::make_unique<SceneStore>(std::move(files).value(), std::move(edits).value(),
+                                        Methods(table), max_scenes, LoadOptions{});
   }
   Result<bool> put(SceneStore& store, const std::string& name, std::span<const std::byte> bytes) {
     auto upload = store.beginUpload();
@@ -65,7 +67,7 @@ TEST_F(SceneStoreTest, KeepsUploadsAcrossRestarts) {
     hash = store->find("two")->current()->snapshot()->contentHash();
   }
   auto store = open();
-  EXPECT_TRUE(store->loadAll().empty());
+  EXPECT_TRUE(store->loadAll().value().empty());
   ASSERT_NE(store->find("two"), nullptr);
   EXPECT_EQ(store->find("two")->current()->snapshot()->contentHash(), hash);
   EXPECT_EQ(store->list().at("two").file_bytes, glb(2).size());
@@ -105,10 +107,10 @@ TEST_F(SceneStoreTest, NamesAStoredSceneThatIsBrokenAndServesTheOthers) {
   {
     auto store = open();
     ASSERT_TRUE(put(*store, "fine", glb(1)).ok());
-    std::ofstream(folder / "scenes" / "torn.scene") << "glTF but no more";
+    std::ofstream(folder / "scenes" / "torn~0000000000000007.scene") << "glTF but no more";
   }
   auto store = open();
-  const auto failures = store->loadAll();
+  const auto failures = store->loadAll().value();
   ASSERT_EQ(failures.size(), 1U);
   EXPECT_NE(failures[0].find("torn"), std::string::npos);
   EXPECT_EQ(store->find("torn"), nullptr);
@@ -126,7 +128,7 @@ TEST_F(SceneStoreTest, ForgetsARemovedSceneForGood) {
     EXPECT_EQ(again.error().code, ErrorCode::kNotFound);
   }
   auto store = open();
-  EXPECT_TRUE(store->loadAll().empty());
+  EXPECT_TRUE(store->loadAll().value().empty());
   EXPECT_EQ(store->find("s"), nullptr);
 }
 
@@ -151,7 +153,7 @@ TEST_F(SceneStoreTest, LeavesNoTemporaryFolderBehind) {
   {
     auto files = SceneFiles::open({});
     ASSERT_TRUE(files.ok());
-    where = files.value()->pathOf("x").parent_path().parent_path();
+    where = files.value()->folder();
     EXPECT_TRUE(fs::exists(where));
   }
   EXPECT_FALSE(fs::exists(where));
@@ -182,7 +184,7 @@ TEST(SceneReaders, NeverWaitForAWriterAndSeeWholeVersions) {
     }
   });
   for (ObjectId id = 0; id < 100; ++id) {
-    EXPECT_TRUE(scene.edit(std::vector<Edit>{HideObject{id}}, 0).ok());
+    EXPECT_TRUE(editScene(scene, {HideObject{id}}).ok());
   }
   done = true;
   reader.join();

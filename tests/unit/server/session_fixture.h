@@ -70,7 +70,7 @@ class SessionTest : public ::testing::Test {
   }
   void runEdits() {
     auto jobs = std::exchange(edits, {});
-    for (EditJob& job : jobs) absorb(session.edited(runEdit(*scene, job)));
+    for (EditDone& done : server::runEdits(*scene, jobs)) absorb(session.edited(std::move(done)));
   }
   void flush() {
     while (!unsent.empty()) {

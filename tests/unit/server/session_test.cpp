@@ -305,7 +305,7 @@ TEST_F(SessionTest, TellsOfTheScenesChangesOncePerUnsentNotice) {
   hello();
   flush();
   for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(scene->edit(std::vector<Edit>{HideObject{static_cast<ObjectId>(i)}}, 0).ok());
+    ASSERT_TRUE(editScene(*scene, {HideObject{static_cast<ObjectId>(i)}}).ok());
     absorb(session.sceneMoved());
   }
   EXPECT_EQ(count<wire::SceneChanged>(), 1U) << "a slow reader is not buried";
