@@ -13,7 +13,7 @@ class App;
 namespace culld {
 
 /// docs/clients.md "Exit codes".
-enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kUnavailable = 69, kDisk = 74 };
+enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kUnavailable = 69, kDisk = 74, kConfig = 78 };
 
 /// Says what is wrong, in one line on stderr that begins with the program's name. Returns `code`.
 int fail(ExitCode code, std::string_view message);

@@ -3,9 +3,9 @@
 #include <exception>
 #include <string>
 
-#include "culling/core/simd.h"
 #include "server/bench_command.h"
 #include "server/build_info.h"
+#include "server/check_config_command.h"
 #include "server/command_line.h"
 #include "server/cull_command.h"
 #include "server/methods_command.h"
@@ -17,34 +17,20 @@ namespace {
 
 struct Arguments {
   ServeArguments serve;
-  std::string backend = "auto";
-  std::string simd = "auto";
   bool json = false;
 };
-
-CLI::App* addServe(CLI::App& app, Arguments& arguments) {
-  CLI::App* serve = app.add_subcommand("serve", "Runs the daemon");
-  ServeArguments& s = arguments.serve;
-  serve->add_option("--listen", s.listen, "HOST:PORT; port 0 takes a free one")
-      ->capture_default_str();
-  serve->add_option("--unix", s.unix_path, "Listen on this Unix socket too");
-  serve->add_option("--data", s.data_folder, "Keep uploaded scenes here across restarts");
-  serve->add_option("--scene", s.scenes, "NAME=FILE; may be repeated");
-  serve->add_option("--threads", s.threads, "For culling; 0: as many as cores")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str();
-  serve->add_option("--backend", arguments.backend, "auto or cpu")->capture_default_str();
-  serve->add_option("--simd", arguments.simd, "Force a SIMD target: sse4, avx2, avx3")
-      ->capture_default_str();
-  return serve;
-}
 
 int run(int argc, char** argv) {
   CLI::App app("culld answers which objects of a scene a camera can see", "culld");
   app.set_version_flag("--version", server::serverName());
   app.require_subcommand(1);
   Arguments arguments;
-  const CLI::App* serve = addServe(app, arguments);
+  CLI::App* serve = app.add_subcommand("serve", "Runs the daemon");
+  serve->add_option("--config", arguments.serve.config_file, "TOML file; flags win over it");
+  addServeFlags(*serve, arguments.serve);
+  CLI::App* check = app.add_subcommand("check-config", "Prints what serve would be told");
+  check->add_option("FILE", arguments.serve.config_file, "TOML file")->required();
+  addServeFlags(*check, arguments.serve);
   CLI::App* cull = app.add_subcommand("cull", "Answers a file of cameras in this process");
   cull->prefix_command();
   cull->set_help_flag();
@@ -66,13 +52,8 @@ int run(int argc, char** argv) {
   if (cull->parsed()) return runCull(cull->remaining());
   if (bench->parsed()) return runBench(bench->remaining(), allMethods());
   if (plan->parsed()) return runPlan(plan->remaining());
+  if (check->parsed()) return runCheckConfig(arguments.serve);
   if (!serve->parsed()) return runMethods(arguments.json);
-  if (arguments.backend != "auto" && arguments.backend != "cpu") {
-    return fail(kUsage, "--backend " + arguments.backend + ": this build has cpu only");
-  }
-  if (auto forced = forceSimdTarget(arguments.simd); !forced) {
-    return fail(kUsage, forced.error().message);
-  }
   return runServe(arguments.serve);
 }
 

@@ -4,6 +4,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -33,15 +35,10 @@ std::vector<std::string> processStat() {
   return {std::istream_iterator<std::string>(rest), {}};
 }
 
-/// Seconds since 1970; /proc/stat's `btime`.
-std::optional<double> bootTime() {
-  std::ifstream file("/proc/stat");
-  std::string word;
-  double value = 0;
-  while (file >> word) {
-    if (word == "btime" && file >> value) return value;
-  }
-  return std::nullopt;
+double seconds(clockid_t clock) {
+  timespec now{};
+  ::clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
 }
 
 std::optional<double> openDescriptors() {
@@ -74,10 +71,8 @@ std::vector<MetricFamily> processMetrics() {
     add("process_virtual_memory_bytes", "Address space", MetricType::Gauge, field(kVirtualBytes));
     add("process_resident_memory_bytes", "Memory held", MetricType::Gauge,
         field(kResidentPages) * static_cast<double>(::sysconf(_SC_PAGESIZE)));
-    if (const auto boot = bootTime()) {
-      add("process_start_time_seconds", "Start, since the epoch", MetricType::Gauge,
-          *boot + field(kStart) / ticks_per_s);
-    }
+    add("process_start_time_seconds", "Start, since the epoch", MetricType::Gauge,
+        seconds(CLOCK_REALTIME) - seconds(CLOCK_BOOTTIME) + field(kStart) / ticks_per_s);
   }
   if (const auto open = openDescriptors()) {
     add("process_open_fds", "Open file descriptors", MetricType::Gauge, *open);

@@ -4,58 +4,19 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <thread>
 
-#include "server/command_line.h"
-#include "server/scene_files.h"
+#include "culling/core/simd.h"
 #include "server/server.h"
 
 namespace culld {
 namespace {
 
 constexpr int kLoaded = SIGUSR1;  ///< how the loading thread wakes the one that waits for signals
-
-/// "HOST:PORT", "[::1]:PORT".
-Result<void> parseListen(const std::string& text, server::ServerOptions& options) {
-  const auto colon = text.rfind(':');
-  const auto wrong = invalidInput("--listen " + text + ": not HOST:PORT");
-  if (colon == std::string::npos || colon == 0) return wrong;
-  const char* end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data() + colon + 1, end, options.listen_port);
-  if (failure != std::errc() || stop != end) return wrong;
-  options.listen_host = text.substr(0, colon);
-  if (options.listen_host.size() > 2 && options.listen_host.front() == '[' &&
-      options.listen_host.back() == ']') {
-    options.listen_host = options.listen_host.substr(1, options.listen_host.size() - 2);
-  }
-  if (options.listen_host == "localhost") options.listen_host = "127.0.0.1";
-  return Done{};
-}
-
-Result<void> parseScenes(const std::vector<std::string>& scenes, server::ServerOptions& options) {
-  for (const std::string& scene : scenes) {
-    const auto equals = scene.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == scene.size()) {
-      return invalidInput("--scene " + scene + ": not NAME=FILE");
-    }
-    const std::string name = scene.substr(0, equals);
-    if (!server::validSceneName(name)) {
-      return invalidInput("--scene " + scene + ": name is not [A-Za-z0-9._-]{1,64}");
-    }
-    const auto same = [&name](const auto& earlier) { return earlier.first == name; };
-    if (std::any_of(options.scene_files.begin(), options.scene_files.end(), same)) {
-      return invalidInput("--scene " + scene + ": the name " + name + " is given twice");
-    }
-    options.scene_files.emplace_back(name, scene.substr(equals + 1));
-  }
-  return Done{};
-}
 
 void drawProgress(std::size_t done, std::size_t total) {
   constexpr std::size_t kWidth = 40;
@@ -65,122 +26,214 @@ void drawProgress(std::size_t done, std::size_t total) {
                total == 0 ? 100 : done * 100 / total, done >= total ? "\r\x1b[K" : "");
 }
 
-/// What the loading thread leaves behind; read after it was joined.
-struct Loading {
-  std::optional<Result<std::vector<std::string>>> result;
-};
-
 sigset_t watchedSignals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGTERM);
   sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGHUP);
   sigaddset(&set, kLoaded);
   return set;
-}
-
-int awaitSignal(const sigset_t& set) {
-  int signal = 0;
-  while (sigwait(&set, &signal) != 0) {
-  }
-  return signal;
-}
-
-void drain(server::Server& server, server::Log& log, const sigset_t& set) {
-  log.info("draining");
-  std::thread([set] {  // a second signal: at once
-    int signal = kLoaded;
-    while (signal == kLoaded) signal = awaitSignal(set);
-    std::_Exit(128 + signal);
-  })
-      .detach();
-  server.drain();
-  log.info("done");
-}
-
-/// The loader cannot be called off, and may have a minute to go: its thread ends with the process.
-[[noreturn]] void leaveWhileLoading(server::Server& server, server::Log& log, const sigset_t& set) {
-  drain(server, log, set);
-  server.removeTemporaryFiles();
-  std::_Exit(kFine);
-}
-
-/// REQUIRES: the watched signals are blocked in all threads.
-int serveUntilSignal(server::Server& server, server::Log& log, const sigset_t& set) {
-  Loading loading;
-  const pthread_t waiter = pthread_self();
-  std::thread loader([&server, &loading, waiter] {
-    loading.result = server.loadScenes();
-    pthread_kill(waiter, kLoaded);
-  });
-  if (awaitSignal(set) != kLoaded) leaveWhileLoading(server, log, set);
-  loader.join();
-  if (!loading.result->ok()) return fail(kUsage, loading.result->error().message);
-  for (const std::string& line : loading.result->value()) {
-    log.error("stored scene not served", {{"error", line}});
-  }
-  log.info("ready");
-  while (awaitSignal(set) == kLoaded) {
-  }
-  drain(server, log, set);
-  return kFine;
 }
 
 /// Raises the limit of open files, as Debian's soft one of 1024 is below the documented number of
 /// connections, and fits that number to it: were descriptors to run out, connections could not even
 /// be refused. A connection has a socket, and the file of its upload.
-void fitConnectionsToDescriptors(server::ServerLimits& limits, server::Log& log) {
+server::ServerLimits fittedToDescriptors(server::ServerLimits limits, server::Log& log) {
   constexpr rlim_t kReserve = 64;  // scenes being read, listening sockets, the log
   rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return limits;
   limit.rlim_cur = limit.rlim_max;
-  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  if (::setrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return limits;
   const rlim_t most = limit.rlim_cur > kReserve + 2 ? (limit.rlim_cur - kReserve) / 2 : rlim_t{1};
-  if (most >= limits.max_connections) return;
+  if (most >= limits.max_connections) return limits;
   limits.max_connections = static_cast<std::size_t>(most);
   log.warning("fewer connections, as this process may have few files open",
               {{"max_connections", most}, {"open_files", limit.rlim_cur}});
+  return limits;
 }
 
-ExitCode exitCodeOf(ErrorCode code) {
+ExitCode exitCodeOf(ErrorCode code, const server::Config& config) {
   switch (code) {
     case ErrorCode::kIo:
       return kDisk;
     case ErrorCode::kInvalidInput:
-      return kUsage;
+      return mistakeIn(config);
     default:
       return kUnavailable;
   }
 }
 
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
+/// A server between its start and its end: signals, what systemd is told, new configurations.
+class Daemon {
+ public:
+  Daemon(const ServeArguments& arguments, server::Config config, server::Server& server,
+         server::Log& log, const server::ServiceManager& manager, const sigset_t& signals)
+      : arguments_(arguments),
+        config_(std::move(config)),
+        server_(server),
+        log_(log),
+        manager_(manager),
+        signals_(signals) {}
+
+  /// REQUIRES: the watched signals are blocked in all threads.
+  int run() {
+    manager_.tell("STATUS=loading scenes");
+    std::optional<Result<std::vector<std::string>>> loaded;  // read after the thread was joined
+    const pthread_t waiter = pthread_self();
+    std::thread loader([this, &loaded, waiter] {
+      loaded = server_.loadScenes();
+      pthread_kill(waiter, kLoaded);
+    });
+    if (awaitSignal() != kLoaded) leaveWhileLoading();
+    loader.join();
+    if (!loaded->ok()) return fail(kUsage, loaded->error().message);
+    for (const std::string& line : loaded->value()) {
+      log_.error("stored scene not served", {{"error", line}});
+    }
+    log_.info("ready");
+    ready_ = true;
+    tellReady();
+    while (awaitSignal() == kLoaded) {
+    }
+    drain();
+    return kFine;
+  }
+
+ private:
+  /// The next signal but SIGHUP, which is seen to here. A watchdog is told meanwhile that the
+  /// server's own thread turns over.
+  int awaitSignal() {
+    const auto interval = manager_.watchdogInterval();
+    for (;;) {
+      int signal = 0;
+      if (interval.count() == 0) {
+        if (sigwait(&signals_, &signal) != 0) continue;
+      } else {
+        const timespec time{interval.count() / 1'000'000, interval.count() % 1'000'000 * 1000};
+        signal = sigtimedwait(&signals_, nullptr, &time);
+        if (signal < 0) server_.whenAlive([&manager = manager_] { manager.tell("WATCHDOG=1"); });
+      }
+      if (signal == SIGHUP) reload();
+      if (signal > 0 && signal != SIGHUP) return signal;
+    }
+  }
+
+  void tellReady() const {
+    if (!ready_) return;
+    manager_.tell("READY=1\nSTATUS=serving on " + joined(server_.addresses()));
+  }
+
+  void reload() {
+    if (ready_) manager_.tellReloading();
+    ExitCode unused = kFine;
+    auto config = readConfig(arguments_, unused);
+    if (config) {
+      take(std::move(config).value());
+    } else {
+      log_.error("configuration refused, the old one stays", {{"error", config.error().message}});
+    }
+    server_.configRead(config.ok());
+    tellReady();
+  }
+
+  void take(server::Config config) {
+    const auto later = server::changedForRestart(config_, config);
+    log_.set(config.log);
+    server_.setLimits(fittedToDescriptors(config.limits, log_));
+    log_.info("configuration read");
+    if (!later.empty()) {
+      log_.warning("changed, but taken up at the next start only", {{"keys", joined(later)}});
+    }
+    config_ = std::move(config);
+  }
+
+  void drain() {
+    log_.info("draining");
+    manager_.tell("STOPPING=1\nSTATUS=draining");
+    std::thread([signals = signals_] {  // a second signal: at once
+      int signal = kLoaded;
+      while (signal == kLoaded || signal == SIGHUP) {
+        if (sigwait(&signals, &signal) != 0) signal = kLoaded;
+      }
+      std::_Exit(128 + signal);
+    })
+        .detach();
+    server_.drain();
+    log_.info("done");
+  }
+
+  /// The loader cannot be called off, and may have a minute to go: its thread ends with the
+  /// process.
+  [[noreturn]] void leaveWhileLoading() {
+    drain();
+    server_.removeTemporaryFiles();
+    std::_Exit(kFine);
+  }
+
+  const ServeArguments& arguments_;
+  server::Config config_;
+  server::Server& server_;
+  server::Log& log_;
+  const server::ServiceManager& manager_;
+  const sigset_t signals_;
+  bool ready_ = false;
+};
+
+server::ServerOptions optionsOf(const server::Config& config) {
+  server::ServerOptions options;
+  // The configuration was checked: its address is one.
+  const auto address = server::parseListen(config.listen).value();
+  options.listen_host = address.host;
+  options.listen_port = address.port;
+  options.unix_path = config.unix_path;
+  options.data_folder = config.data_folder;
+  options.scene_files.assign(config.scenes.begin(), config.scenes.end());
+  options.threads = config.threads;
+  options.methods = allMethods();
+  options.access = config.access;
+  options.tls = config.tls;
+  if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
+  return options;
+}
+
 }  // namespace
 
 int runServe(const ServeArguments& arguments) {
+  ExitCode code = kFine;
+  auto config = readConfig(arguments, code);
+  if (!config) return fail(code, config.error().message);
+  if (auto forced = forceSimdTarget(config.value().simd); !forced) {
+    return fail(mistakeIn(config.value()), forced.error().message);
+  }
   const auto log = server::Log::toStderr();
-  server::ServerOptions options;
-  if (auto r = parseListen(arguments.listen, options); !r) {
-    return fail(kUsage, r.error().message);
-  }
-  if (auto r = parseScenes(arguments.scenes, options); !r) {
-    return fail(kUsage, r.error().message);
-  }
-  options.unix_path = arguments.unix_path;
-  options.data_folder = arguments.data_folder;
-  options.threads = arguments.threads;
-  options.methods = allMethods();
-  if (::isatty(STDERR_FILENO) != 0) options.load.progress = drawProgress;
+  log->set(config.value().log);
+  auto options = optionsOf(config.value());
+  options.limits = fittedToDescriptors(config.value().limits, *log);
+  options.log = log.get();
+  auto inherited = server::inheritedSockets();
+  if (!inherited) return fail(kConfig, inherited.error().message);
+  options.inherited = std::move(inherited).value();
+  const server::ServiceManager manager;
 
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away must not end the daemon
-  fitConnectionsToDescriptors(options.limits, *log);
-  options.log = log.get();
-  const sigset_t set = watchedSignals();
-  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  const sigset_t signals = watchedSignals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   auto server = server::Server::start(std::move(options));
-  if (!server) return fail(exitCodeOf(server.error().code), server.error().message);
+  if (!server) {
+    return fail(exitCodeOf(server.error().code, config.value()), server.error().message);
+  }
   for (const std::string& address : server.value()->addresses()) {
     log->info("listening on " + address);
   }
-  return serveUntilSignal(*server.value(), *log, set);
+  return Daemon(arguments, std::move(config).value(), *server.value(), *log, manager, signals)
+      .run();
 }
 
 }  // namespace culld
