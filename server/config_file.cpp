@@ -88,7 +88,7 @@ class Reader {
       return invalidInput(place(key) + ": scenes." + name + ": name is not [A-Za-z0-9._-]{1,64}");
     }
     const auto file = node.value_exact<std::string>();
-    if (!file) return wrongKind(key, "scenes." + name, node, "a text");
+    if (!file) return wrongKind(key, "scenes." + name, node, nameOf(KeyKind::kPath));
     add(key, "scenes." + name, KeyKind::kPath, *file);
     return Done{};
   }

@@ -73,8 +73,9 @@ std::string_view nameOf(KeyKind kind) {
     case KeyKind::kSwitch:
       return "true or false";
     case KeyKind::kText:
-    case KeyKind::kPath:
       return "a text";
+    case KeyKind::kPath:
+      return "a path";
     case KeyKind::kList:
       break;
   }
