@@ -208,6 +208,14 @@ std::vector<ConfigKey> sessionLimitKeys() {
           [](auto& c) -> auto& { return c.limits.session.max_waiting_edits; },
           "Edits of a session that wait"),
       whole(
+          "limits.max_requests_in_flight", kReloaded, 1, kMany,
+          [](auto& c) -> auto& { return c.limits.session.max_requests_in_flight; },
+          "cameras and edits of a session under way"),
+      whole(
+          "limits.max_messages_per_s", kReloaded, 0, kMany,
+          [](auto& c) -> auto& { return c.limits.session.max_messages_per_s; },
+          "past it a session is read from later; 0: any"),
+      whole(
           "limits.kept_frames", kReloaded, 1, kMany,
           [](auto& c) -> auto& { return c.limits.session.kept_frames; },
           "answers of a view that later ones may build on"),
@@ -229,6 +237,10 @@ std::vector<ConfigKey> connectionLimitKeys() {
       whole(
           "limits.max_connections", kReloaded, 1, kMany,
           [](auto& c) -> auto& { return c.limits.max_connections; }, "connections"),
+      whole(
+          "limits.max_connections_per_address", kReloaded, 0, kMany,
+          [](auto& c) -> auto& { return c.limits.max_connections_per_address; },
+          "the same from one IPv4 address or IPv6 network; 0: any"),
       whole(
           "limits.max_scenes", kAtStart, 1, kMany,
           [](auto& c) -> auto& { return c.limits.max_scenes; }, "scenes"),
@@ -261,6 +273,10 @@ std::vector<ConfigKey> connectionLimitKeys() {
       whole(
           "limits.max_queued_messages", kReloaded, 1, kMany,
           [](auto& c) -> auto& { return c.limits.queued_messages; }, "the same"),
+      whole(
+          "limits.max_total_queued_bytes", kReloaded, 1, kBytes,
+          [](auto& c) -> auto& { return c.limits.total_queued_bytes; },
+          "over all clients; past it those that have some waiting are not read from"),
   };
 }
 
