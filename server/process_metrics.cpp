@@ -53,8 +53,6 @@ std::optional<double> openDescriptors() {
 }  // namespace
 
 std::vector<MetricFamily> processMetrics() {
-  constexpr std::size_t kUserTime = 14 - 3;
-  constexpr std::size_t kSystemTime = 15 - 3;
   constexpr std::size_t kStart = 22 - 3;
   constexpr std::size_t kVirtualBytes = 23 - 3;
   constexpr std::size_t kResidentPages = 24 - 3;
@@ -62,17 +60,18 @@ std::vector<MetricFamily> processMetrics() {
   const auto add = [&out](const char* name, const char* help, MetricType type, double value) {
     out.push_back(single(name, help, type, value));
   };
+  add("process_cpu_seconds_total", "User and system time", MetricType::Counter,
+      seconds(CLOCK_PROCESS_CPUTIME_ID));
   const auto stat = processStat();
   if (stat.size() > kResidentPages) {
     const auto field = [&stat](std::size_t i) { return std::strtod(stat[i].c_str(), nullptr); };
-    const auto ticks_per_s = static_cast<double>(::sysconf(_SC_CLK_TCK));
-    add("process_cpu_seconds_total", "User and system time", MetricType::Counter,
-        (field(kUserTime) + field(kSystemTime)) / ticks_per_s);
     add("process_virtual_memory_bytes", "Address space", MetricType::Gauge, field(kVirtualBytes));
     add("process_resident_memory_bytes", "Memory held", MetricType::Gauge,
         field(kResidentPages) * static_cast<double>(::sysconf(_SC_PAGESIZE)));
-    add("process_start_time_seconds", "Start, since the epoch", MetricType::Gauge,
-        seconds(CLOCK_REALTIME) - seconds(CLOCK_BOOTTIME) + field(kStart) / ticks_per_s);
+    // Once: the two clocks drift apart, and a start that changes would be taken for a restart.
+    static const double kStarted = seconds(CLOCK_REALTIME) - seconds(CLOCK_BOOTTIME) +
+                                   field(kStart) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+    add("process_start_time_seconds", "Start, since the epoch", MetricType::Gauge, kStarted);
   }
   if (const auto open = openDescriptors()) {
     add("process_open_fds", "Open file descriptors", MetricType::Gauge, *open);
