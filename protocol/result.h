@@ -16,6 +16,9 @@ enum class ErrorCode : unsigned char {
   kLimit,         ///< larger than a documented limit
   kIo,            ///< the operating system refused
   kUnavailable,   ///< try again later or elsewhere
+  kForbidden,     ///< not with this token, or not without one
+  kCancelled,     ///< taken back before it was done
+  kDeadline,      ///< not begun in time, so not done
 };
 
 struct Error {

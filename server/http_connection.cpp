@@ -148,6 +148,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (auto refusal = refuseName(route_)) return reply(*std::move(refusal));
     if (context_.draining) return reply(errorReply(503, inScene("the server is draining")));
     auto scene = context_.store.find(route_.scene);
+    if (scene == nullptr && !context_.ready) {
+      return reply(errorReply(503, inScene("the server is still loading scenes")));
+    }
     if (scene == nullptr) {
       return reply(errorReply(404, "scene \"" + route_.scene + "\" is not known"));
     }

@@ -19,7 +19,7 @@ std::string withoutView(std::string message) {
 
 }  // namespace
 
-int CameraRun::start(const Address& server, const CullArguments& arguments) {
+int CameraRun::start(const Server& server, const CullArguments& arguments) {
   arguments_ = &arguments;
   const auto guarantee = protocol::guaranteeNamed(arguments.guarantee);
   if (!guarantee) return fail(guarantee.error());
@@ -32,9 +32,9 @@ int CameraRun::start(const Address& server, const CullArguments& arguments) {
   return openView(server);
 }
 
-int CameraRun::openView(const Address& server) {
+int CameraRun::openView(const Server& server) {
   const CullArguments& a = *arguments_;
-  auto connection = Connection::open(server, a.scene);
+  auto connection = Connection::open(server.address, a.scene, server.once());
   if (!connection) return fail(connection.error());
   connection_ = std::move(connection).value();
   connection_->onSceneChanged([this](const SceneInfo&, bool replaced) {
@@ -42,7 +42,7 @@ int CameraRun::openView(const Address& server) {
   });
   // Only now: from here on the daemon tells of a scene that is replaced.
   if (!a.output.empty()) {
-    auto objects = Scenes(server).objects(a.scene);
+    auto objects = Scenes(server.address, server.access).objects(a.scene);
     if (!objects) return fail(objects.error());
     objects_ = std::move(objects).value();
     writer_.emplace(std::exchange(objects_.names, {}));

@@ -17,7 +17,7 @@ class CameraRun {
  public:
   /// Checks the arguments, reads the cameras, connects, opens the view. Returns kFine, or the exit
   /// code after it has said what is wrong. REQUIRES: `arguments` outlives this.
-  int start(const Address& server, const CullArguments& arguments);
+  int start(const Server& server, const CullArguments& arguments);
 
   const std::vector<Camera>& cameras() const noexcept { return cameras_; }
   SceneInfo scene() const { return connection_->scene(); }
@@ -35,7 +35,7 @@ class CameraRun {
   int finish();
 
  private:
-  int openView(const Address& server);
+  int openView(const Server& server);
   FramePtr stop(int exit_code);
   bool record(std::size_t camera, const Frame& frame);
 

@@ -24,6 +24,9 @@ int fail(const protocol::Error& error) {
       return fail(kUsage, error.message);
     case protocol::ErrorCode::kUnavailable:
       return fail(kUnreachable, error.message);
+    case protocol::ErrorCode::kDeadline:
+    case protocol::ErrorCode::kCancelled:
+    case protocol::ErrorCode::kForbidden:
     case protocol::ErrorCode::kNotFound:
     case protocol::ErrorCode::kLimit:
       break;

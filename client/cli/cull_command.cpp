@@ -3,7 +3,7 @@
 
 namespace culld::client {
 
-int runCull(const Address& server, const CullArguments& arguments) {
+int runCull(const Server& server, const CullArguments& arguments) {
   CameraRun run;
   if (const int code = run.start(server, arguments); code != kFine) return code;
   for (std::size_t i = 0; i < run.cameras().size(); ++i) {

@@ -110,7 +110,7 @@ int writeJson(const std::string& path, const json& frames) {
 
 }  // namespace
 
-int runFly(const Address& server, const FlyArguments& arguments) {
+int runFly(const Server& server, const FlyArguments& arguments) {
   CameraRun run;
   if (const int code = run.start(server, arguments.cull); code != kFine) return code;
   printHead(run);

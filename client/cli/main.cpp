@@ -10,6 +10,7 @@ namespace {
 
 struct Arguments {
   std::string connect = "ws://127.0.0.1:7420";
+  Access access;
   std::string scene, file;
   bool json = false;
   std::uint32_t count = 1;
@@ -17,7 +18,7 @@ struct Arguments {
 };
 
 /// Chosen while the command line is read, run afterwards.
-using Command = std::function<int(const Address&)>;
+using Command = std::function<int(const Server&)>;
 
 void addScenes(CLI::App& app, Arguments& a, Command& command) {
   CLI::App* put = app.add_subcommand("put", "Upload a scene; one of that name is replaced");
@@ -25,18 +26,17 @@ void addScenes(CLI::App& app, Arguments& a, Command& command) {
   put->add_option("FILE", a.file, "glTF scene, .glb")->required();
   put->add_flag("--json", a.json, "print JSON");
   put->callback(
-      [&] { command = [&](const Address& at) { return runPut(at, a.scene, a.file, a.json); }; });
+      [&] { command = [&](const Server& at) { return runPut(at, a.scene, a.file, a.json); }; });
   CLI::App* list = app.add_subcommand("list", "List the scenes of the server");
   list->add_flag("--json", a.json, "print JSON");
-  list->callback([&] { command = [&](const Address& at) { return runList(at, a.json); }; });
+  list->callback([&] { command = [&](const Server& at) { return runList(at, a.json); }; });
   CLI::App* info = app.add_subcommand("info", "Describe a scene");
   info->add_option("NAME", a.scene, "scene on the server")->required();
   info->add_flag("--json", a.json, "print JSON");
-  info->callback(
-      [&] { command = [&](const Address& at) { return runInfo(at, a.scene, a.json); }; });
+  info->callback([&] { command = [&](const Server& at) { return runInfo(at, a.scene, a.json); }; });
   CLI::App* remove = app.add_subcommand("remove", "Remove a scene from the server");
   remove->add_option("NAME", a.scene, "scene on the server")->required();
-  remove->callback([&] { command = [&](const Address& at) { return runRemove(at, a.scene); }; });
+  remove->callback([&] { command = [&](const Server& at) { return runRemove(at, a.scene); }; });
 }
 
 void addPing(CLI::App& app, Arguments& a, Command& command) {
@@ -45,7 +45,7 @@ void addPing(CLI::App& app, Arguments& a, Command& command) {
   ping->add_option("--count", a.count, "so many times")->check(CLI::Range(1U, 1'000'000U));
   ping->add_flag("--json", a.json, "print JSON");
   ping->callback(
-      [&] { command = [&](const Address& at) { return runPing(at, a.scene, a.count, a.json); }; });
+      [&] { command = [&](const Server& at) { return runPing(at, a.scene, a.count, a.json); }; });
 }
 
 void addCullOptions(CLI::App& app, CullArguments& a) {
@@ -65,7 +65,7 @@ void addCull(CLI::App& app, Arguments& a, Command& command) {
   CLI::App* cull = app.add_subcommand("cull", "Answer a file of cameras");
   addCullOptions(*cull, a.fly.cull);
   cull->add_option("-o,--output", a.fly.cull.output, "answers file to write")->required();
-  cull->callback([&] { command = [&](const Address& at) { return runCull(at, a.fly.cull); }; });
+  cull->callback([&] { command = [&](const Server& at) { return runCull(at, a.fly.cull); }; });
   CLI::App* fly = app.add_subcommand("fly", "Fly along cameras and watch the answers");
   addCullOptions(*fly, a.fly.cull);
   auto* output = fly->add_option("-o,--output", a.fly.cull.output, "answers file to write");
@@ -73,7 +73,7 @@ void addCull(CLI::App& app, Arguments& a, Command& command) {
   fly->add_flag("--loop", a.fly.loop, "again and again, until interrupted")
       ->excludes(output)
       ->excludes(json);
-  fly->callback([&] { command = [&](const Address& at) { return runFly(at, a.fly); }; });
+  fly->callback([&] { command = [&](const Server& at) { return runFly(at, a.fly); }; });
 }
 
 /// An empty name or path is a shell variable that was never set, not a wish.
@@ -90,8 +90,12 @@ int run(int argc, char** argv) {
   Command command;
   CLI::App app("asks a culld server which objects a camera can see", "cullctl");
   app.set_version_flag("--version", CULLD_VERSION);
-  app.add_option("--connect", arguments.connect, "ws://HOST:PORT or unix:PATH")
+  app.add_option("--connect", arguments.connect, "ws://HOST:PORT, wss://HOST:PORT or unix:PATH")
       ->capture_default_str();
+  app.add_option("--token", arguments.access.token, "bearer token for the server")
+      ->envname("CULLD_TOKEN");
+  app.add_option("--ca", arguments.access.ca_file,
+                 "certificates to trust with wss://, PEM; else those of the system");
   app.require_subcommand(1);
   app.fallthrough();
   addScenes(app, arguments, command);
@@ -104,9 +108,9 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help, version
     return fail(kUsage, error.what());
   }
-  const auto server = parseAddress(arguments.connect);
-  if (!server) return fail(kUsage, "--connect " + server.error().message);
-  return command(server.value());
+  auto address = parseAddress(arguments.connect);
+  if (!address) return fail(kUsage, "--connect " + address.error().message);
+  return command({std::move(address).value(), arguments.access});
 }
 
 }  // namespace

@@ -69,11 +69,12 @@ class UploadBar {
 
 }  // namespace
 
-int runPut(const Address& server, const std::string& scene, const std::string& file, bool as_json) {
+int runPut(const Server& server, const std::string& scene, const std::string& file, bool as_json) {
   const auto put = [&] {
     UploadBar bar(file);
-    return Scenes(server).put(
-        scene, file, [&bar](std::uint64_t sent, std::uint64_t total) { bar.show(sent, total); });
+    return Scenes(server.address, server.access)
+        .put(scene, file,
+             [&bar](std::uint64_t sent, std::uint64_t total) { bar.show(sent, total); });
   }();
   if (!put && put.error().code == ErrorCode::kLimit) return fail(kUsage, put.error().message);
   if (!put) return fail(put.error());
@@ -81,8 +82,8 @@ int runPut(const Address& server, const std::string& scene, const std::string& f
   return kFine;
 }
 
-int runList(const Address& server, bool as_json) {
-  const auto scenes = Scenes(server).list();
+int runList(const Server& server, bool as_json) {
+  const auto scenes = Scenes(server.address, server.access).list();
   if (!scenes) return fail(scenes.error());
   if (as_json) {
     json list = json::array();
@@ -94,25 +95,25 @@ int runList(const Address& server, bool as_json) {
   return kFine;
 }
 
-int runInfo(const Address& server, const std::string& scene, bool as_json) {
-  const auto info = Scenes(server).info(scene);
+int runInfo(const Server& server, const std::string& scene, bool as_json) {
+  const auto info = Scenes(server.address, server.access).info(scene);
   if (!info) return fail(info.error());
   printScene(info.value(), as_json);
   return kFine;
 }
 
-int runRemove(const Address& server, const std::string& scene) {
-  const auto removed = Scenes(server).remove(scene);
+int runRemove(const Server& server, const std::string& scene) {
+  const auto removed = Scenes(server.address, server.access).remove(scene);
   return removed ? kFine : fail(removed.error());
 }
 
 namespace {
 
-Result<std::vector<double>> pingServer(const Address& server, std::uint32_t count) {
+Result<std::vector<double>> pingServer(const Server& server, std::uint32_t count) {
   std::vector<double> ms;
   for (std::uint32_t i = 0; i < count; ++i) {
     const auto start = std::chrono::steady_clock::now();
-    const auto about = Scenes(server).server();
+    const auto about = Scenes(server.address, server.access).server();
     if (!about) return about.error();
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
                      .count());
@@ -120,9 +121,9 @@ Result<std::vector<double>> pingServer(const Address& server, std::uint32_t coun
   return ms;
 }
 
-Result<std::vector<double>> pingScene(const Address& server, const std::string& scene,
+Result<std::vector<double>> pingScene(const Server& server, const std::string& scene,
                                       std::uint32_t count) {
-  auto connection = Connection::open(server, scene);
+  auto connection = Connection::open(server.address, scene, server.once());
   if (!connection) return std::move(connection).error();
   std::vector<double> ms;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -135,8 +136,8 @@ Result<std::vector<double>> pingScene(const Address& server, const std::string& 
 
 }  // namespace
 
-int runPing(const Address& server, const std::string& scene, std::uint32_t count, bool as_json) {
-  const auto about = Scenes(server).server();
+int runPing(const Server& server, const std::string& scene, std::uint32_t count, bool as_json) {
+  const auto about = Scenes(server.address, server.access).server();
   if (!about) return fail(about.error());
   auto ms = scene.empty() ? pingServer(server, count) : pingScene(server, scene, count);
   if (!ms) return fail(ms.error());
@@ -150,8 +151,8 @@ int runPing(const Address& server, const std::string& scene, std::uint32_t count
            {"p95_ms", p95}});
   } else {
     std::printf("%s: %s, protocol %u to %u, median %.3f ms, p95 %.3f ms of %u\n",
-                toString(server).c_str(), about.value().name.c_str(), about.value().protocol_min,
-                about.value().protocol_max, median, p95, count);
+                toString(server.address).c_str(), about.value().name.c_str(),
+                about.value().protocol_min, about.value().protocol_max, median, p95, count);
   }
   return kFine;
 }

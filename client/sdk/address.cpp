@@ -5,7 +5,7 @@
 namespace culld::client {
 namespace {
 
-constexpr std::string_view kTcp = "ws://", kUnix = "unix:";
+constexpr std::string_view kTcp = "ws://", kTls = "wss://", kUnix = "unix:";
 
 /// "host:port" or "[v6]:port".
 bool splitHostPort(std::string_view text, Address& address) {
@@ -32,8 +32,10 @@ protocol::Result<Address> parseAddress(std::string_view text) {
     address.path = text.substr(kUnix.size());
     return address;
   }
-  if (text.substr(0, kTcp.size()) == kTcp) {
-    std::string_view rest = text.substr(kTcp.size());
+  for (const std::string_view scheme : {kTcp, kTls}) {
+    if (text.substr(0, scheme.size()) != scheme) continue;
+    address.tls = scheme == kTls;
+    std::string_view rest = text.substr(scheme.size());
     if (!rest.empty() && rest.back() == '/') rest.remove_suffix(1);
     if (splitHostPort(rest, address)) return address;
   }
@@ -44,8 +46,8 @@ protocol::Result<Address> parseAddress(std::string_view text) {
 std::string toString(const Address& address) {
   if (address.unixSocket()) return std::string(kUnix) + address.path;
   const bool v6 = address.host.find(':') != std::string::npos;
-  return std::string(kTcp) + (v6 ? "[" + address.host + "]" : address.host) + ":" +
-         std::to_string(address.port);
+  return std::string(address.tls ? kTls : kTcp) + (v6 ? "[" + address.host + "]" : address.host) +
+         ":" + std::to_string(address.port);
 }
 
 }  // namespace culld::client

@@ -1,11 +1,10 @@
 #include "culld/connection.h"
 
+#include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "client/sdk/connection_impl.h"
-#include "client/sdk/dial.h"
-#include "protocol/codec.h"
-#include "protocol/version.h"
 
 namespace culld::client {
 namespace {
@@ -14,77 +13,103 @@ Error unexpectedReply(const std::string& name) {
   return {ErrorCode::kUnavailable, name + ": unexpected reply"};
 }
 
+/// A callback that fills a future, and the future.
+template <typename T>
+auto promised() {
+  auto promise = std::make_shared<std::promise<Result<T>>>();
+  auto future = promise->get_future();
+  return std::pair([promise](Result<T> result) { promise->set_value(std::move(result)); },
+                   std::move(future));
+}
+
+template <typename T>
+Result<T> await(std::future<Result<T>>& future, const Connection::Impl& impl, const char* what) {
+  const auto limit = impl.options.timeouts.reply;
+  if (future.wait_for(limit) == std::future_status::ready) return future.get();
+  return Error{ErrorCode::kUnavailable,
+               impl.name + ": no " + what + " within " + std::to_string(limit.count()) + " ms"};
+}
+
 }  // namespace
 
 Connection::Connection(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Connection::~Connection() {
-  impl_->lost({ErrorCode::kUnavailable, "connection closed"});
-  std::unique_ptr<LiveSocket> socket;
-  {
-    const std::lock_guard lock(impl_->mutex);
-    socket = std::move(impl_->socket);
-  }
-  socket.reset();  // joins its thread, which may still take the lock
+  onState({});
+  onSceneChanged({});
+  impl_->close();
+  if (!impl_->link.onThread()) impl_->link.join();
+}
+
+void Connection::open(const Address& address, const std::string& scene,
+                      const ConnectOptions& options, OnOpen callback) {
+  auto impl = std::make_shared<Impl>(address, scene, options);
+  impl->start(std::move(callback));
 }
 
 Result<std::unique_ptr<Connection>> Connection::open(const Address& address,
                                                      const std::string& scene,
-                                                     const Timeouts& timeouts) {
-  auto socket =
-      LiveSocket::connect(address, "/v1/scenes/" + percentEncoded(scene) + "/live", timeouts);
-  if (!socket) return std::move(socket).error();
-  auto impl = std::make_shared<Impl>();
-  impl->name = toString(address);
-  impl->timeouts = timeouts;
-  impl->socket = std::move(socket).value();
-  std::unique_ptr<Connection> connection(new Connection(impl));
-  impl->socket->start({[raw = impl.get()](std::span<const std::uint8_t> b) { raw->received(b); },
-                       [raw = impl.get()](const Error& error) { raw->lost(error); }});
-
-  const protocol::Hello hello{protocol::kProtocolMin, protocol::kProtocolMax, "culld-client"};
-  auto reply = impl->call(hello, timeouts.connect);
-  if (!reply) return std::move(reply).error();
-  const auto* welcome = std::get_if<protocol::Welcome>(&reply.value());
-  if (welcome == nullptr) return unexpectedReply(impl->name);
-  const std::lock_guard lock(impl->mutex);
-  if (impl->scene.name.empty()) impl->scene = welcome->scene;  // else a newer word came already
+                                                     const ConnectOptions& options) {
+  auto [callback, opened] = promised<std::unique_ptr<Connection>>();
+  const auto impl = std::make_shared<Impl>(address, scene, options);
+  impl->start(std::move(callback));
+  auto connection = opened.get();  // every step has its limit
+  if (!connection) impl->link.join();
   return connection;
 }
 
-Result<View> Connection::openView(const std::string& method, bool want_seen) {
+void Connection::close() { impl_->close(); }
+
+void Connection::openView(const std::string& method, bool want_seen, OnView callback) {
   auto state = std::make_shared<View::State>();
   state->connection = impl_;
-  {
-    const std::lock_guard lock(impl_->mutex);
-    state->number = impl_->next_view++;
-    impl_->views[state->number] = state;
-  }
-  auto reply =
-      impl_->call(protocol::OpenView{state->number, method, want_seen}, impl_->timeouts.reply);
-  if (!reply) return std::move(reply).error();
-  const auto* opened = std::get_if<protocol::ViewOpened>(&reply.value());
-  if (opened == nullptr) return unexpectedReply(impl_->name);
-  state->method = opened->method;
-  state->guarantee = opened->guarantee;
-  return View(std::move(state));
+  state->asked_method = method;
+  state->want_seen = want_seen;
+  impl_->openView(state, std::move(callback));
+}
+
+Result<View> Connection::openView(const std::string& method, bool want_seen) {
+  if (auto refused = impl_->refuseWait()) return *std::move(refused);
+  auto [callback, opened] = promised<View>();
+  openView(method, want_seen, std::move(callback));
+  return await(opened, *impl_, "reply");
+}
+
+void Connection::edit(std::vector<EditItem> edits, std::uint64_t expected_version,
+                      OnEdited callback) {
+  impl_->request(protocol::Edit{expected_version, std::move(edits)},
+                 [name = impl_->name, callback = std::move(callback)](const Impl::Reply& reply) {
+                   if (!reply) return callback(reply.error());
+                   const auto* edited = std::get_if<protocol::Edited>(&reply.value());
+                   if (edited == nullptr) return callback(unexpectedReply(name));
+                   callback(EditOutcome{edited->scene_version, edited->added});
+                 });
 }
 
 Result<EditOutcome> Connection::edit(std::vector<EditItem> edits, std::uint64_t expected_version) {
-  auto reply =
-      impl_->call(protocol::Edit{expected_version, std::move(edits)}, impl_->timeouts.reply);
-  if (!reply) return std::move(reply).error();
-  const auto* edited = std::get_if<protocol::Edited>(&reply.value());
-  if (edited == nullptr) return unexpectedReply(impl_->name);
-  return EditOutcome{edited->scene_version, edited->added};
+  if (auto refused = impl_->refuseWait()) return *std::move(refused);
+  auto [callback, edited] = promised<EditOutcome>();
+  edit(std::move(edits), expected_version, std::move(callback));
+  return await(edited, *impl_, "reply");
+}
+
+void Connection::ping(OnPong callback) {
+  const auto start = std::chrono::steady_clock::now();
+  impl_->request(protocol::Ping{1}, [name = impl_->name, start,
+                                     callback = std::move(callback)](const Impl::Reply& reply) {
+    if (!reply) return callback(reply.error());
+    if (!std::holds_alternative<protocol::Pong>(reply.value())) {
+      return callback(unexpectedReply(name));
+    }
+    callback(std::chrono::nanoseconds(std::chrono::steady_clock::now() - start));
+  });
 }
 
 Result<std::chrono::nanoseconds> Connection::ping() {
-  const auto start = std::chrono::steady_clock::now();
-  const auto reply = impl_->call(protocol::Ping{1}, impl_->timeouts.reply);
-  if (!reply) return reply.error();
-  if (!std::holds_alternative<protocol::Pong>(reply.value())) return unexpectedReply(impl_->name);
-  return std::chrono::nanoseconds(std::chrono::steady_clock::now() - start);
+  if (auto refused = impl_->refuseWait()) return *std::move(refused);
+  auto [callback, pong] = promised<std::chrono::nanoseconds>();
+  ping(std::move(callback));
+  return await(pong, *impl_, "reply");
 }
 
 SceneInfo Connection::scene() const {
@@ -92,41 +117,51 @@ SceneInfo Connection::scene() const {
   return impl_->scene;
 }
 
+ConnectionState Connection::state() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->state;
+}
+
+// What a callback holds may end with it, and call back here: the old one goes after the lock.
 void Connection::onSceneChanged(std::function<void(const SceneInfo&, bool)> callback) {
   const std::lock_guard lock(impl_->mutex);
-  impl_->scene_callback = std::move(callback);
+  impl_->scene_callback.swap(callback);
+}
+
+void Connection::onState(std::function<void(ConnectionState, const Error&)> callback) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->state_callback.swap(callback);
 }
 
 View::View(std::shared_ptr<State> state) : state_(std::move(state)) {}
 
+std::uint64_t View::setCamera(const Camera& camera, const Demand& demand, OnAnswer callback) {
+  return state_->connection->setCamera(state_, camera, demand, std::move(callback));
+}
+
 std::future<Result<FramePtr>> View::setCamera(const Camera& camera, const Demand& demand) {
-  Connection::Impl& connection = *state_->connection;
-  const std::lock_guard lock(connection.mutex);
-  State::Pending pending;
-  auto future = pending.answer.get_future();
-  if (connection.ended) {
-    pending.answer.set_value(*connection.ended);
-    return future;
-  }
-  pending.request = connection.next_request++;
-  pending.acknowledged = state_->history.newestNumber();
-  state_->last = protocol::CameraUpdate{state_->number, camera, demand, pending.acknowledged};
-  connection.socket->send(protocol::encode({pending.request, *state_->last}));
-  state_->pending.push_back(std::move(pending));
-  return future;
+  auto [callback, answer] = promised<FramePtr>();
+  setCamera(camera, demand, std::move(callback));
+  return std::move(answer);
 }
 
 Result<FramePtr> View::cull(const Camera& camera, const Demand& demand) {
-  auto future = setCamera(camera, demand);
-  const auto limit = state_->connection->timeouts.reply;
-  if (future.wait_for(limit) == std::future_status::ready) return future.get();
-  return Error{ErrorCode::kUnavailable, state_->connection->name + ": no answer within " +
-                                            std::to_string(limit.count()) + " ms"};
+  if (auto refused = state_->connection->refuseWait()) return *std::move(refused);
+  auto answer = setCamera(camera, demand);
+  return await(answer, *state_->connection, "answer");
 }
 
-void View::onFrame(std::function<void(const FramePtr&)> callback) {
+void View::cancel() { state_->connection->cancel(*state_); }
+
+void View::setDeadline(std::chrono::microseconds deadline) {
+  const auto us = std::clamp<std::int64_t>(deadline.count(), 0, 0xFFFFFFFF);
   const std::lock_guard lock(state_->connection->mutex);
-  state_->callback = std::move(callback);
+  state_->deadline_us = static_cast<std::uint32_t>(us);
+}
+
+void View::onFrame(OnFrame callback) {
+  const std::lock_guard lock(state_->connection->mutex);
+  state_->callback.swap(callback);
 }
 
 FramePtr View::newest() const {
@@ -134,16 +169,15 @@ FramePtr View::newest() const {
   return state_->newest;
 }
 
+std::uint64_t View::misfits() const {
+  const std::lock_guard lock(state_->connection->mutex);
+  return state_->misfits;
+}
+
 const std::string& View::method() const { return state_->method; }
 
 Guarantee View::guarantee() const { return state_->guarantee; }
 
-View::State::~State() {
-  const std::lock_guard lock(connection->mutex);
-  connection->views.erase(number);
-  if (connection->ended || connection->socket == nullptr) return;
-  connection->socket->send(
-      protocol::encode({connection->next_request++, protocol::CloseView{number}}));
-}
+View::State::~State() { connection->closeView(number); }
 
 }  // namespace culld::client

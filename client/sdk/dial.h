@@ -3,6 +3,10 @@
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "culld/address.h"
 #include "protocol/result.h"
@@ -11,10 +15,12 @@ namespace culld::client {
 
 using Socket = boost::asio::generic::stream_protocol::socket;
 
-/// Tries every address that the host's name has. REQUIRES: nothing else runs on `io`.
-/// ERROR: kUnavailable "ws://127.0.0.1:7420: cannot connect: Connection refused".
-protocol::Result<Socket> dial(boost::asio::io_context& io, const Address& address,
-                              std::chrono::milliseconds timeout);
+/// Tries every address that the host's name has; looking the name up and each of them may take
+/// `timeout`. Calls `done` once, on `io`, unless `io` is stopped first. REQUIRES: `socket` lives
+/// until then. ERROR: kUnavailable "ws://127.0.0.1:7420: cannot connect: Connection refused".
+void dial(boost::asio::io_context& io, Socket& socket, const Address& address,
+          std::chrono::milliseconds timeout,
+          std::function<void(std::optional<protocol::Error>)> done);
 
 /// The Host header of requests to `address`.
 std::string hostHeader(const Address& address);

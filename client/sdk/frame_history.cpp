@@ -24,8 +24,9 @@ Error misfit(const protocol::Answer& answer, const std::string& what) {
 
 }  // namespace
 
-Result<FramePtr> FrameHistory::apply(const protocol::Answer& answer, std::size_t wire_bytes) {
-  auto frame = rebuilt(answer, wire_bytes);
+Result<FramePtr> FrameHistory::apply(const protocol::Answer& answer, std::uint64_t camera,
+                                     std::size_t wire_bytes) {
+  auto frame = rebuilt(answer, camera, wire_bytes);
   if (!frame) {
     forgetAll();
     return frame;
@@ -34,7 +35,7 @@ Result<FramePtr> FrameHistory::apply(const protocol::Answer& answer, std::size_t
   return frame;
 }
 
-Result<FramePtr> FrameHistory::rebuilt(const protocol::Answer& answer,
+Result<FramePtr> FrameHistory::rebuilt(const protocol::Answer& answer, std::uint64_t camera,
                                        std::size_t wire_bytes) const {
   if (answer.frame <= newestNumber()) return misfit(answer, "is older than the one held");
   static const std::vector<std::uint32_t> kNothing;
@@ -60,6 +61,7 @@ Result<FramePtr> FrameHistory::rebuilt(const protocol::Answer& answer,
 
   auto frame = std::make_shared<Frame>();
   frame->number = answer.frame;
+  frame->camera = camera;
   frame->visible = std::move(ids).value();
   if (!answer.seen.empty()) frame->seen = unpackBits(answer.seen, frame->visible.size());
   frame->seen_count = answer.seen_count;

@@ -13,9 +13,11 @@ namespace culld::client {
 /// The frames of one view that the server may still refer to. THREADS: one at a time.
 class FrameHistory {
  public:
-  /// The frame that `answer` makes. ERROR: kInvalidInput saying what does not fit; then the view
-  /// must ask for a whole answer by acknowledging frame 0, as newestNumber() does from here on.
-  Result<FramePtr> apply(const protocol::Answer& answer, std::size_t wire_bytes);
+  /// The frame that `answer` to the view's camera number `camera` makes. ERROR: kInvalidInput
+  /// saying what does not fit; then the view must ask for a whole answer by acknowledging frame 0,
+  /// as newestNumber() does from here on.
+  Result<FramePtr> apply(const protocol::Answer& answer, std::uint64_t camera,
+                         std::size_t wire_bytes);
 
   /// What to acknowledge; 0: nothing held.
   std::uint32_t newestNumber() const noexcept;
@@ -29,7 +31,8 @@ class FrameHistory {
   std::size_t size() const noexcept { return frames_.size(); }
 
  private:
-  Result<FramePtr> rebuilt(const protocol::Answer& answer, std::size_t wire_bytes) const;
+  Result<FramePtr> rebuilt(const protocol::Answer& answer, std::uint64_t camera,
+                           std::size_t wire_bytes) const;
 
   std::deque<FramePtr> frames_;  ///< ascending
 };

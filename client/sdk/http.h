@@ -22,7 +22,7 @@ struct HttpReply {
 };
 
 /// A reply of any status is a value. ERROR: kUnavailable: no connection, broken, silent; kIo: file.
-Result<HttpReply> exchange(const Address& address, const HttpRequest& request,
+Result<HttpReply> exchange(const Address& address, const HttpRequest& request, const Access& access,
                            const HttpTimeouts& timeouts);
 
 }  // namespace culld::client

@@ -1,53 +1,97 @@
 #include "client/sdk/live_socket.h"
 
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/stream_traits.hpp>
-#include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
-#include <exception>
 #include <optional>
-#include <thread>
 #include <utility>
 
-#include "client/sdk/dial.h"
 #include "client/sdk/refusal.h"
+#include "client/sdk/stream.h"
 #include "protocol/limits.h"
 #include "protocol/version.h"
 
 namespace culld::client {
-namespace {
 
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 using beast::error_code;
-using Stream = websocket::stream<beast::basic_stream<asio::generic::stream_protocol>>;
 
-Error upgradeError(const Address& address, error_code ec,
-                   const http::response<http::string_body>& reply) {
-  if (ec == websocket::error::upgrade_declined) {
-    return refusal(address, reply.result_int(), reply.body());
-  }
-  return {ErrorCode::kUnavailable, toString(address) + ": cannot open: " + ec.message()};
+/// How a WebSocket ends on a Stream: its own closing frames have said all, so TLS adds nothing.
+template <typename Handler>
+void async_teardown(beast::role_type role, Stream& stream, Handler&& handler) {
+  websocket::async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));
 }
 
-}  // namespace
+struct LiveSocket::Impl : std::enable_shared_from_this<LiveSocket::Impl> {
+  Impl(asio::io_context& context, const Address& where, Handlers h)
+      : address(where), handlers(std::move(h)), io(context), ws(context) {}
 
-struct LiveSocket::Impl {
-  Impl(std::unique_ptr<asio::io_context> context, Socket socket)
-      : io(std::move(context)), ws(std::move(socket)) {}
+  void connect(const std::string& target, const ConnectOptions& options) {
+    auto trust = trustOf(address, options.access);
+    if (!trust) {
+      return asio::post(
+          io, [self = shared_from_this(), error = std::move(trust).error()] { self->end(error); });
+    }
+    configure(options);
+    ws.next_layer().connect(address, std::move(trust).value(), options.timeouts.connect,
+                            [self = shared_from_this(), target](std::optional<Error> failed) {
+                              if (failed) return self->end(*failed);
+                              self->upgrade(target);
+                            });
+  }
+
+  void configure(const ConnectOptions& options) {
+    websocket::stream_base::timeout limits{};
+    limits.handshake_timeout = options.timeouts.connect;
+    limits.idle_timeout = options.timeouts.idle;
+    limits.keep_alive_pings = true;
+    ws.set_option(limits);
+    ws.set_option(websocket::stream_base::decorator(
+        [token = options.access.token](websocket::request_type& request) {
+          request.set(http::field::sec_websocket_protocol, protocol::kSubprotocol);
+          if (!token.empty()) request.set(http::field::authorization, "Bearer " + token);
+        }));
+    ws.binary(true);
+    ws.auto_fragment(false);
+    ws.read_message_max(protocol::kMaxReplyBytes);
+  }
+
+  void upgrade(const std::string& target) {
+    if (ended) return;
+    ws.async_handshake(reply, hostHeader(address), target,
+                       [self = shared_from_this()](error_code ec) { self->upgraded(ec); });
+  }
+
+  void upgraded(error_code ec) {
+    if (ec == websocket::error::upgrade_declined) {
+      return end(refusal(address, reply.result_int(), reply.body()));
+    }
+    if (ec) {
+      return end({ErrorCode::kUnavailable, toString(address) + ": cannot open: " + ec.message()});
+    }
+    if (reply[http::field::sec_websocket_protocol] != protocol::kSubprotocol) {
+      return end({ErrorCode::kUnsupported, toString(address) + ": the server does not speak " +
+                                               std::string(protocol::kSubprotocol)});
+    }
+    if (ended) return;
+    handlers.opened();
+    if (!ended) read();
+  }
 
   void read() {
-    ws.async_read(in, [this](error_code ec, std::size_t) {
-      if (ec) return end(ec);
-      const auto bytes = in.cdata();
-      handlers.message({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
-      in.clear();
-      if (!ended) read();
+    ws.async_read(in, [self = shared_from_this()](error_code ec, std::size_t) {
+      if (ec) return self->lost(ec);
+      if (self->ended) return;
+      const auto bytes = self->in.cdata();
+      self->handlers.message({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+      self->in.clear();
+      if (!self->ended) self->read();
     });
   }
 
@@ -58,94 +102,57 @@ struct LiveSocket::Impl {
   }
 
   void write() {
-    ws.async_write(asio::buffer(out.front()), [this](error_code ec, std::size_t) {
-      if (ec) return end(ec);
-      out.pop_front();
-      if (!out.empty()) write();
-    });
-  }
-
-  void end(error_code ec) {
-    if (std::exchange(ended, true)) return;
-    handlers.closed({ErrorCode::kUnavailable, "connection lost: " + ec.message()});
-    error_code ignored;
-    beast::get_lowest_layer(ws).socket().close(ignored);
-    io->stop();  // Beast's idle timer would keep the thread until it fires
+    ws.async_write(asio::buffer(out.front()),
+                   [self = shared_from_this()](error_code ec, std::size_t) {
+                     if (ec) return self->lost(ec);
+                     self->out.pop_front();
+                     if (!self->out.empty()) self->write();
+                   });
   }
 
   void close() {
-    if (ended) return;
-    ws.async_close(websocket::close_code::normal,
-                   [this](error_code ec) { end(ec ? ec : websocket::error::closed); });
+    if (ended || !ws.is_open()) return lost(asio::error::operation_aborted);
+    ws.async_close(websocket::close_code::normal, [self = shared_from_this()](error_code ec) {
+      self->lost(ec ? ec : websocket::error::closed);
+    });
   }
 
-  std::unique_ptr<asio::io_context> io;  ///< outlives the stream
-  Stream ws;
+  void lost(error_code ec) {
+    end({ErrorCode::kUnavailable, toString(address) + ": connection lost: " + ec.message()});
+  }
+
+  void end(const Error& why) {
+    if (ended) return;
+    cut();
+    handlers.closed(why);
+  }
+
+  void cut() {
+    ended = true;
+    error_code ignored;
+    ws.next_layer().next_layer().close(ignored);
+  }
+
+  const Address address;
+  const Handlers handlers;
+  asio::io_context& io;
+  websocket::stream<Stream> ws;
+  http::response<http::string_body> reply;
   beast::flat_buffer in;
   std::deque<std::vector<std::uint8_t>> out;  ///< the front one is on its way
-  Handlers handlers;
   bool ended = false;
-  std::thread thread;
 };
 
-Result<std::unique_ptr<LiveSocket>> LiveSocket::connect(const Address& address,
-                                                        const std::string& target,
-                                                        const Timeouts& timeouts) {
-  auto io = std::make_unique<asio::io_context>(1);
-  auto socket = dial(*io, address, timeouts.connect);
-  if (!socket) return std::move(socket).error();
-  auto impl = std::make_unique<Impl>(std::move(io), std::move(socket).value());
-
-  Stream& ws = impl->ws;
-  websocket::stream_base::timeout limits{};
-  limits.handshake_timeout = timeouts.connect;
-  limits.idle_timeout = timeouts.idle;
-  limits.keep_alive_pings = true;
-  ws.set_option(limits);
-  ws.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
-    request.set(http::field::sec_websocket_protocol, protocol::kSubprotocol);
-  }));
-  ws.binary(true);
-  ws.auto_fragment(false);
-  ws.read_message_max(protocol::kMaxReplyBytes);
-
-  http::response<http::string_body> reply;
-  std::optional<error_code> done;
-  ws.async_handshake(reply, hostHeader(address), target, [&done](error_code ec) { done = ec; });
-  impl->io->restart();
-  while (!done) impl->io->run_one();  // not run(): Beast's timer goes on after a refusal
-  const error_code failed = *done;
-  if (failed) return upgradeError(address, failed, reply);
-  if (reply[http::field::sec_websocket_protocol] != protocol::kSubprotocol) {
-    return Error{ErrorCode::kUnsupported, toString(address) + ": the server does not speak " +
-                                              std::string(protocol::kSubprotocol)};
-  }
-  return std::unique_ptr<LiveSocket>(new LiveSocket(std::move(impl)));
+LiveSocket::LiveSocket(asio::io_context& io, const Address& address, const std::string& target,
+                       const ConnectOptions& options, Handlers handlers)
+    : impl_(std::make_shared<Impl>(io, address, std::move(handlers))) {
+  impl_->connect(target, options);
 }
 
-LiveSocket::LiveSocket(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LiveSocket::~LiveSocket() { impl_->cut(); }
 
-LiveSocket::~LiveSocket() {
-  if (!impl_->thread.joinable()) return;
-  try {
-    asio::post(*impl_->io, [impl = impl_.get()] { impl->close(); });
-  } catch (const std::exception&) {  // out of memory: the server sees the connection break
-    impl_->io->stop();
-  }
-  impl_->thread.join();
-}
+void LiveSocket::send(std::vector<std::uint8_t> bytes) { impl_->push(std::move(bytes)); }
 
-void LiveSocket::start(Handlers handlers) {
-  impl_->handlers = std::move(handlers);
-  impl_->io->restart();
-  impl_->read();
-  impl_->thread = std::thread([impl = impl_.get()] { impl->io->run(); });
-}
-
-void LiveSocket::send(std::vector<std::uint8_t> bytes) {
-  asio::post(*impl_->io, [impl = impl_.get(), bytes = std::move(bytes)]() mutable {
-    impl->push(std::move(bytes));
-  });
-}
+void LiveSocket::close() { impl_->close(); }
 
 }  // namespace culld::client

@@ -1,7 +1,7 @@
-// One WebSocket to a scene: whole messages in, whole messages out, on a thread of its own.
-// live_socket.cpp is one of the two files of this room that see Beast.
+// One WebSocket to a scene: whole messages in, whole messages out. live_socket.cpp is one of the
+// two files of this room that see Beast.
 #pragma once
-#include <cstddef>
+#include <boost/asio/io_context.hpp>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,29 +13,30 @@
 
 namespace culld::client {
 
+/// THREADS: only that of `io`, which also calls the handlers. Destroying it, in a handler too, cuts
+/// the connection, and no handler is called any more.
 class LiveSocket {
  public:
-  /// Both are called on the socket's thread; `closed` once, as the last.
   struct Handlers {
+    std::function<void()> opened;
     std::function<void(std::span<const std::uint8_t>)> message;
-    std::function<void(const Error&)> closed;
+    std::function<void(const Error&)> closed;  ///< once, as the last
   };
 
-  /// Connects and upgrades; nothing is read before start().
-  static Result<std::unique_ptr<LiveSocket>> connect(const Address& address,
-                                                     const std::string& target,
-                                                     const Timeouts& timeouts);
-  /// Closes, and waits for the thread. REQUIRES: not called from a handler.
+  /// Begins to connect and to upgrade at `target`.
+  LiveSocket(boost::asio::io_context& io, const Address& address, const std::string& target,
+             const ConnectOptions& options, Handlers handlers);
   ~LiveSocket();
+  LiveSocket(const LiveSocket&) = delete;
+  LiveSocket& operator=(const LiveSocket&) = delete;
 
-  void start(Handlers handlers);
-  /// COST: returns at once. After the end of the connection it does nothing. THREADS: any.
   void send(std::vector<std::uint8_t> bytes);
+  /// Says goodbye; `closed` follows, if the server answers.
+  void close();
 
  private:
   struct Impl;
-  explicit LiveSocket(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace culld::client

@@ -23,6 +23,9 @@ ErrorCode codeOf(unsigned status) {
     case 400:
     case 422:
       return ErrorCode::kInvalidInput;
+    case 401:
+    case 403:
+      return ErrorCode::kForbidden;
     case 404:
       return ErrorCode::kNotFound;
     case 413:
@@ -41,7 +44,8 @@ protocol::Error refusal(const Address& address, unsigned status, const std::stri
     return {code, toString(address) + ": HTTP status " + std::to_string(status)};
   }
   // What a server refuses for its own sake is about the server, not about what was asked for.
-  return {code, code == ErrorCode::kUnavailable ? toString(address) + ": " + words : words};
+  const bool of_server = code == ErrorCode::kUnavailable || code == ErrorCode::kForbidden;
+  return {code, of_server ? toString(address) + ": " + words : words};
 }
 
 }  // namespace culld::client

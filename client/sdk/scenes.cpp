@@ -70,8 +70,9 @@ Error unreadable(const Address& address) {
 }
 
 /// The JSON of a reply that says yes.
-Result<json> ask(const Address& address, const HttpRequest& request, const HttpTimeouts& timeouts) {
-  const auto reply = exchange(address, request, timeouts);
+Result<json> ask(const Address& address, const HttpRequest& request, const Access& access,
+                 const HttpTimeouts& timeouts) {
+  const auto reply = exchange(address, request, access, timeouts);
   if (!reply) return reply.error();
   const auto& [status, body] = reply.value();
   if (status < 200 || status > 299) return refusal(address, status, body);
@@ -98,11 +99,11 @@ Error aboutFile(Error refusal, const std::string& name, const std::string& path)
 
 }  // namespace
 
-Scenes::Scenes(Address address, HttpTimeouts timeouts)
-    : address_(std::move(address)), timeouts_(timeouts) {}
+Scenes::Scenes(Address address, Access access, HttpTimeouts timeouts)
+    : address_(std::move(address)), access_(std::move(access)), timeouts_(timeouts) {}
 
 Result<ServerDetails> Scenes::server() const {
-  const auto reply = ask(address_, {"GET", "/version", {}, {}}, timeouts_);
+  const auto reply = ask(address_, {"GET", "/version", {}, {}}, access_, timeouts_);
   if (!reply) return reply.error();
   ServerDetails server;
   server.name = textIn(reply.value(), "server");
@@ -113,7 +114,7 @@ Result<ServerDetails> Scenes::server() const {
 }
 
 Result<std::vector<SceneDetails>> Scenes::list() const {
-  const auto reply = ask(address_, {"GET", "/v1/scenes", {}, {}}, timeouts_);
+  const auto reply = ask(address_, {"GET", "/v1/scenes", {}, {}}, access_, timeouts_);
   if (!reply) return reply.error();
   const auto scenes = reply.value().find("scenes");
   if (scenes == reply.value().end() || !scenes->is_array()) return unreadable(address_);
@@ -127,11 +128,11 @@ Result<std::vector<SceneDetails>> Scenes::list() const {
 }
 
 Result<SceneDetails> Scenes::info(const std::string& name) const {
-  return sceneOf(address_, ask(address_, {"GET", pathOf(name), {}, {}}, timeouts_));
+  return sceneOf(address_, ask(address_, {"GET", pathOf(name), {}, {}}, access_, timeouts_));
 }
 
 Result<Done> Scenes::remove(const std::string& name) const {
-  const auto reply = ask(address_, {"DELETE", pathOf(name), {}, {}}, timeouts_);
+  const auto reply = ask(address_, {"DELETE", pathOf(name), {}, {}}, access_, timeouts_);
   if (!reply) return reply.error();
   return Done{};
 }
@@ -142,7 +143,7 @@ Result<SceneDetails> Scenes::put(const std::string& name, const std::string& pat
   if (std::filesystem::is_directory(path, ignored)) {
     return Error{ErrorCode::kIo, path + ": cannot read: Is a directory"};
   }
-  const auto reply = ask(address_, {"PUT", pathOf(name), path, progress}, timeouts_);
+  const auto reply = ask(address_, {"PUT", pathOf(name), path, progress}, access_, timeouts_);
   const bool refused = !reply && (reply.error().code == ErrorCode::kInvalidInput ||
                                   reply.error().code == ErrorCode::kLimit);
   if (refused) return aboutFile(reply.error(), name, path);
@@ -150,7 +151,7 @@ Result<SceneDetails> Scenes::put(const std::string& name, const std::string& pat
 }
 
 Result<ObjectTable> Scenes::objects(const std::string& name) const {
-  const auto reply = ask(address_, {"GET", pathOf(name) + "/objects", {}, {}}, timeouts_);
+  const auto reply = ask(address_, {"GET", pathOf(name) + "/objects", {}, {}}, access_, timeouts_);
   if (!reply) return reply.error();
   const auto nodes = idsIn(reply.value(), "nodes");
   const auto instances = idsIn(reply.value(), "instances");

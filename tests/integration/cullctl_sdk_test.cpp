@@ -249,7 +249,8 @@ TEST_F(SdkTest, EndsWithAReasonWhenItsSceneIsRemoved) {
     frame = view.cull(lookingAt(0, 5));
   }
   ASSERT_FALSE(frame.ok());
-  EXPECT_EQ(frame.error().code, ErrorCode::kUnavailable) << frame.error().message;
+  EXPECT_EQ(frame.error().code, ErrorCode::kNotFound) << frame.error().message;
+  EXPECT_EQ(connection->state(), ConnectionState::kEnded);
   EXPECT_EQ(Connection::open(tcp_, "row").error().code, ErrorCode::kNotFound);
 }
 

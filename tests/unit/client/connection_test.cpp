@@ -3,161 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
-#include <chrono>
-#include <functional>
 #include <future>
-#include <memory>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "culld/scenes.h"
-#include "protocol/codec.h"
-#include "protocol/id_set.h"
-#include "protocol/limits.h"
-#include "protocol/version.h"
+#include "tests/unit/client/scripted_server.h"
 
 namespace culld::client {
 namespace {
-
-namespace beast = boost::beast;
-namespace http = beast::http;
-namespace websocket = beast::websocket;
-using boost::asio::ip::tcp;
-using namespace std::chrono_literals;
-using Ids = std::vector<std::uint32_t>;
-using protocol::Answer;
-using protocol::CameraUpdate;
-using protocol::Message;
-
-/// One client's other end, blocking. Every wrong turn of the client is a test failure.
-class Peer {
- public:
-  explicit Peer(tcp::socket socket) : ws_(std::move(socket)) {}
-
-  void accept() {
-    ws_.set_option(websocket::stream_base::decorator([](websocket::response_type& reply) {
-      reply.set(http::field::sec_websocket_protocol, protocol::kSubprotocol);
-    }));
-    ws_.accept();
-    ws_.binary(true);
-  }
-  /// Answers the upgrade with something else.
-  void refuse(unsigned status, const std::string& body) {
-    beast::flat_buffer in;
-    http::request<http::string_body> request;
-    http::read(ws_.next_layer(), in, request);
-    http::response<http::string_body> reply(http::int_to_status(status), 11, body);
-    reply.prepare_payload();
-    http::write(ws_.next_layer(), reply);
-  }
-  void greet() {
-    accept();
-    const Message hello = next();
-    EXPECT_TRUE(std::holds_alternative<protocol::Hello>(hello.body));
-    protocol::Welcome welcome;
-    welcome.protocol = protocol::kProtocolMax;
-    welcome.scene = {"town", 1, 7, 1000, 5000};
-    send({hello.id, welcome});
-  }
-  void openView() {
-    const Message open = next();
-    const auto* view = std::get_if<protocol::OpenView>(&open.body);
-    ASSERT_NE(view, nullptr);
-    send({open.id, protocol::ViewOpened{view->view, "raster", Guarantee::kConservative}});
-  }
-  Message next() {
-    beast::flat_buffer in;
-    ws_.read(in);
-    const auto bytes = in.cdata();
-    auto message = protocol::decode({static_cast<const std::uint8_t*>(bytes.data()), bytes.size()},
-                                    protocol::kMaxRequestBytes);
-    EXPECT_TRUE(message.ok());
-    return message ? message.value() : Message{};
-  }
-  std::pair<std::uint64_t, CameraUpdate> nextCamera() {
-    const Message message = next();
-    const auto* update = std::get_if<CameraUpdate>(&message.body);
-    EXPECT_NE(update, nullptr);
-    return {message.id, update != nullptr ? *update : CameraUpdate{}};
-  }
-  void send(const Message& message) { sendBytes(protocol::encode(message)); }
-  void sendBytes(const std::vector<std::uint8_t>& bytes) { ws_.write(boost::asio::buffer(bytes)); }
-  void awaitEnd() {
-    beast::flat_buffer in;
-    beast::error_code ec;
-    while (!ec && ws_.is_open()) ws_.read(in, ec);
-  }
-
- private:
-  websocket::stream<tcp::socket> ws_;
-};
-
-/// A server for one connection, on a thread of its own, that does what the test says.
-class Script {
- public:
-  explicit Script(std::function<void(Peer&)> play)
-      : thread_([this, play = std::move(play)] {
-          try {
-            Peer peer(acceptor_.accept());
-            play(peer);
-          } catch (const std::exception& e) {
-            ADD_FAILURE() << "scripted server: " << e.what();
-          }
-        }) {}
-  ~Script() { thread_.join(); }
-  Address address() const { return {"127.0.0.1", acceptor_.local_endpoint().port(), {}}; }
-
- private:
-  boost::asio::io_context io_;
-  tcp::acceptor acceptor_{io_, tcp::endpoint(tcp::v4(), 0)};
-  std::thread thread_;
-};
-
-Answer wholeAnswer(std::uint32_t frame, const Ids& ids) {
-  Answer answer;
-  answer.view = 1;
-  answer.frame = frame;
-  answer.scene_version = 1;
-  answer.scene_objects = 1000;
-  const auto set = protocol::encodeSmallest(ids);
-  answer.encoding = set.encoding;
-  answer.payload = set.payload;
-  answer.object_count = static_cast<std::uint32_t>(ids.size());
-  answer.set_hash = protocol::setHash(ids);
-  answer.method = "raster";
-  return answer;
-}
-
-Answer changedAnswer(std::uint32_t frame, const Ids& ids, std::uint32_t baseline, const Ids& from) {
-  Answer answer = wholeAnswer(frame, ids);
-  const auto set = protocol::encodeAddRemove(from, ids);
-  answer.baseline = baseline;
-  answer.encoding = set.encoding;
-  answer.payload = set.payload;
-  return answer;
-}
-
-Timeouts quick() { return {2000ms, 2000ms, 10'000ms}; }
-
-struct Client {
-  explicit Client(const Address& address) {
-    auto opened = Connection::open(address, "town", quick());
-    EXPECT_TRUE(opened.ok()) << opened.error().message;
-    if (!opened) return;
-    connection = std::move(opened).value();
-    auto made = connection->openView();
-    EXPECT_TRUE(made.ok()) << made.error().message;
-    if (made) view = std::make_unique<View>(made.value());
-  }
-  std::unique_ptr<Connection> connection;
-  std::unique_ptr<View> view;
-};
 
 TEST(Connection, LearnsTheSceneFromTheWelcome) {
   Script server([](Peer& peer) {
@@ -405,7 +260,9 @@ TEST(Connection, DoesNotWaitForeverForASilentServer) {
     peer.nextCamera();
     peer.awaitEnd();
   });
-  auto connection = Connection::open(silent.address(), "town", {2000ms, 100ms, 10'000ms});
+  ConnectOptions options = quick();
+  options.timeouts.reply = 100ms;
+  auto connection = Connection::open(silent.address(), "town", options);
   ASSERT_TRUE(connection.ok()) << connection.error().message;
   auto view = connection.value()->openView();
   ASSERT_TRUE(view.ok());
@@ -417,7 +274,9 @@ TEST(Connection, DoesNotWaitForeverForASilentServer) {
 TEST(Connection, DoesNotWaitForeverForAHandshake) {
   std::promise<void> done;
   Script mute([&](Peer&) { done.get_future().wait(); });
-  const auto connection = Connection::open(mute.address(), "town", {100ms, 100ms, 1000ms});
+  ConnectOptions options = quick();
+  options.timeouts.connect = 100ms;
+  const auto connection = Connection::open(mute.address(), "town", options);
   done.set_value();
   ASSERT_FALSE(connection.ok());
   EXPECT_EQ(connection.error().code, ErrorCode::kUnavailable);
@@ -442,7 +301,9 @@ TEST(Connection, PassesOnARefusalAtOnce) {
     peer.awaitEnd();
   });
   const auto start = std::chrono::steady_clock::now();
-  const auto connection = Connection::open(server.address(), "town", {5000ms, 1000ms, 10'000ms});
+  ConnectOptions options = quick();
+  options.timeouts.connect = 5000ms;
+  const auto connection = Connection::open(server.address(), "town", options);
   EXPECT_LT(std::chrono::steady_clock::now() - start, 3s);  // the handshake's limit is 5 s
   ASSERT_FALSE(connection.ok());
   EXPECT_EQ(connection.error().code, ErrorCode::kNotFound);

@@ -50,7 +50,7 @@ TEST(FrameHistory, HoldsNothingAtFirst) {
 
 TEST(FrameHistory, TakesAWholeAnswer) {
   FrameHistory history;
-  const auto frame = history.apply(whole(1, {3, 5, 900}), 77);
+  const auto frame = history.apply(whole(1, {3, 5, 900}), 12, 77);
   ASSERT_TRUE(frame.ok()) << frame.error().message;
   EXPECT_EQ(frame.value()->visible, (Ids{3, 5, 900}));
   EXPECT_EQ(frame.value()->number, 1U);
@@ -63,9 +63,9 @@ TEST(FrameHistory, TakesAWholeAnswer) {
 TEST(FrameHistory, AppliesAChangeToTheFrameItChanges) {
   FrameHistory history;
   const Ids first{1, 2, 3}, second{2, 3, 4}, third{1, 2, 999};
-  ASSERT_TRUE(history.apply(whole(1, first), 0).ok());
-  ASSERT_TRUE(history.apply(change(2, second, 1, first), 0).ok());
-  const auto frame = history.apply(change(3, third, 1, first), 0);  // still refers to frame 1
+  ASSERT_TRUE(history.apply(whole(1, first), 1, 0).ok());
+  ASSERT_TRUE(history.apply(change(2, second, 1, first), 1, 0).ok());
+  const auto frame = history.apply(change(3, third, 1, first), 1, 0);  // still refers to frame 1
   ASSERT_TRUE(frame.ok()) << frame.error().message;
   EXPECT_EQ(frame.value()->visible, third);
   EXPECT_TRUE(frame.value()->delta);
@@ -83,7 +83,7 @@ TEST(FrameHistory, RebuildsEverySetOfALongRandomWalk) {
     }
     const bool fresh = number == 1 || random() % 5 == 0;
     const auto frame =
-        history.apply(fresh ? whole(number, now) : change(number, now, number - 1, held), 0);
+        history.apply(fresh ? whole(number, now) : change(number, now, number - 1, held), 1, 0);
     ASSERT_TRUE(frame.ok()) << frame.error().message;
     ASSERT_EQ(frame.value()->visible, now);
     history.forgetBefore(number);
@@ -96,7 +96,7 @@ TEST(FrameHistory, SpreadsTheSeenBitsOverTheVisibleObjects) {
   FrameHistory history;
   Answer answer = whole(1, {0, 1, 2, 3, 4, 5, 6, 7, 8});
   answer.seen = {0x81, 0x01};
-  const auto frame = history.apply(answer, 0);
+  const auto frame = history.apply(answer, 1, 0);
   ASSERT_TRUE(frame.ok()) << frame.error().message;
   EXPECT_EQ(frame.value()->seen, (std::vector<std::uint8_t>{1, 0, 0, 0, 0, 0, 0, 1, 1}));
 }
@@ -131,25 +131,25 @@ TEST(FrameHistory, BelievesNothingThatDoesNotFitAndAsksForAWholeAnswer) {
   };
   for (const Misfit& misfit : table) {
     FrameHistory history;
-    ASSERT_TRUE(history.apply(whole(1, held), 0).ok());
-    const auto frame = history.apply(misfit.answer, 0);
+    ASSERT_TRUE(history.apply(whole(1, held), 1, 0).ok());
+    const auto frame = history.apply(misfit.answer, 1, 0);
     ASSERT_FALSE(frame.ok()) << misfit.what;
     EXPECT_FALSE(frame.error().message.empty());
     const std::string message = frame.error().message;
     EXPECT_EQ(message, misfit.error != nullptr ? misfit.error : message) << misfit.what;
     EXPECT_EQ(history.newestNumber(), 0U) << misfit.what;
-    EXPECT_TRUE(history.apply(whole(3, ids), 0).ok()) << misfit.what;
+    EXPECT_TRUE(history.apply(whole(3, ids), 1, 0).ok()) << misfit.what;
   }
 }
 
 TEST(FrameHistory, ForgetsOnlyWhatTheServerCannotReferTo) {
   FrameHistory history;
   const Ids a{1}, b{2}, c{3};
-  ASSERT_TRUE(history.apply(whole(1, a), 0).ok());
-  ASSERT_TRUE(history.apply(whole(2, b), 0).ok());
+  ASSERT_TRUE(history.apply(whole(1, a), 1, 0).ok());
+  ASSERT_TRUE(history.apply(whole(2, b), 1, 0).ok());
   history.forgetBefore(2);
-  EXPECT_TRUE(history.apply(change(3, c, 2, b), 0).ok());
-  EXPECT_FALSE(history.apply(change(4, c, 1, a), 0).ok());
+  EXPECT_TRUE(history.apply(change(3, c, 2, b), 1, 0).ok());
+  EXPECT_FALSE(history.apply(change(4, c, 1, a), 1, 0).ok());
   history.forgetAll();
   EXPECT_EQ(history.newest(), nullptr);
 }

@@ -1,5 +1,11 @@
 // A live connection to one scene of a culld server, and views on it whose visible sets it keeps up
 // to date. Network and threads stay inside: these headers need the standard library only.
+//
+// THREADS: every function may be called on any thread. A connection has a thread of its own, and
+// all callbacks are called on it, one at a time, with no lock held: they may call whatever does not
+// wait, close the connection and even destroy it. What waits for that thread (openView, cull, edit,
+// ping without a callback) refuses at once to be called there. Callbacks must not throw. What is
+// refused without asking the server, as after the end, calls back before the call returns.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -11,6 +17,7 @@
 #include <vector>
 
 #include "culld/address.h"
+#include "culld/options.h"
 #include "protocol/messages.h"
 #include "protocol/result.h"
 
@@ -28,7 +35,8 @@ using protocol::SceneInfo;
 
 /// One answer, with the whole visible set even where only changes came over the wire. Immutable.
 struct Frame {
-  std::uint32_t number = 0;            ///< of this view, ascending
+  std::uint32_t number = 0;            ///< of this view, ascending; from 1 again after a reconnect
+  std::uint64_t camera = 0;            ///< the setCamera() that it answers
   std::vector<std::uint32_t> visible;  ///< object ids, ascending, unique
   std::vector<std::uint8_t> seen;      ///< per visible object 1: certainly visible; may be empty
   std::uint32_t seen_count = 0;        ///< of `visible`: certainly visible
@@ -48,29 +56,36 @@ struct Frame {
 };
 using FramePtr = std::shared_ptr<const Frame>;
 
-struct Timeouts {
-  std::chrono::milliseconds connect{5'000};  ///< TCP, WebSocket and version handshake, each
-  std::chrono::milliseconds reply{30'000};   ///< for blocking calls
-  std::chrono::milliseconds idle{60'000};    ///< silence, pings unanswered: the connection is lost
-};
+using OnFrame = std::function<void(const FramePtr&)>;
+using OnAnswer = std::function<void(const Result<FramePtr>&)>;
 
 /// A stream of cameras and answers. Cheap to copy; the last copy closes the view.
-/// THREADS: any.
 class View {
  public:
   /// Sends a camera; the newest wins. The future holds the answer to this camera, or to a newer one
-  /// of this view if the server passed over this one. COST: returns at once.
+  /// of this view if the server passed over this one. A camera that is under way when the
+  /// connection is lost is sent again on the next one. COST: returns at once.
   std::future<Result<FramePtr>> setCamera(const Camera& camera, const Demand& demand = {});
+  /// The same with a callback; returns the camera's number: 1 for the first of the view, and so on.
+  std::uint64_t setCamera(const Camera& camera, const Demand& demand, OnAnswer callback);
 
   /// setCamera() and wait. ERROR: kUnavailable: no answer in time, or connection lost;
   /// kInvalidInput: what the server says about camera or demand.
   Result<FramePtr> cull(const Camera& camera, const Demand& demand = {});
 
-  /// Called for every answer, on the connection's thread; it may call setCamera() but must not
-  /// wait.
-  void onFrame(std::function<void(const FramePtr&)> callback);
+  /// Cameras from now on are worth nothing if their cull has not begun so long after they reached
+  /// the server: they end with kDeadline. 0: no deadline. Servers too old for this ignore it.
+  void setDeadline(std::chrono::microseconds deadline);
+  /// Takes back what waits: it ends with kCancelled, unless an answer is on its way already.
+  /// COST: returns at once.
+  void cancel();
+
+  /// Called for every answer.
+  void onFrame(OnFrame callback);
 
   FramePtr newest() const;  ///< null before the first answer
+  /// How many answers did not fit their own count and hash and were asked again.
+  std::uint64_t misfits() const;
   const std::string& method() const;
   Guarantee guarantee() const;  ///< what the method promises at least
 
@@ -86,29 +101,57 @@ struct EditOutcome {
   std::vector<std::uint32_t> added;  ///< ids of the added objects, in order
 };
 
-/// THREADS: any. Destroying it closes the connection; its views then answer with errors.
+enum class ConnectionState : std::uint8_t {
+  kConnected,
+  kReconnecting,  ///< lost; cameras wait, other requests fail until it is connected again
+  kEnded,         ///< for good
+};
+
+/// When a connection is lost it is made again (ConnectOptions::reconnect): views are opened again
+/// under their numbers, and the last camera of each is asked again, so that its visible set starts
+/// from a whole answer. What was under way besides cameras fails: whether an edit was carried out
+/// is then not known. Views of a connection that has ended answer with errors.
 class Connection {
  public:
-  /// ERROR: kUnavailable: nobody there; kNotFound: no such scene; kUnsupported: no common version.
+  /// One attempt. ERROR: kUnavailable: nobody there; kNotFound: no such scene; kUnsupported: no
+  /// common version; kInvalidInput: token or ca_file.
   static Result<std::unique_ptr<Connection>> open(const Address& address, const std::string& scene,
-                                                  const Timeouts& timeouts = {});
+                                                  const ConnectOptions& options = {});
+  using OnOpen = std::function<void(Result<std::unique_ptr<Connection>>)>;
+  static void open(const Address& address, const std::string& scene, const ConnectOptions& options,
+                   OnOpen callback);
+
+  /// close(); then waits until all callbacks have returned but the one that it is called in.
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  /// Ends every wait, on whatever thread, with an error. COST: returns at once.
+  void close();
+
   /// `method` empty: the server chooses. ERROR: kNotFound: unknown method; kLimit: too many views.
   Result<View> openView(const std::string& method = {}, bool want_seen = false);
+  using OnView = std::function<void(Result<View>)>;
+  void openView(const std::string& method, bool want_seen, OnView callback);
 
   /// All or none. `expected_version` 0: any. ERROR: kInvalidInput naming the edit; kUnavailable:
   /// the scene is at another version.
   Result<EditOutcome> edit(std::vector<EditItem> edits, std::uint64_t expected_version = 0);
+  using OnEdited = std::function<void(Result<EditOutcome>)>;
+  void edit(std::vector<EditItem> edits, std::uint64_t expected_version, OnEdited callback);
 
   /// There and back through the message layer.
   Result<std::chrono::nanoseconds> ping();
+  using OnPong = std::function<void(Result<std::chrono::nanoseconds>)>;
+  void ping(OnPong callback);
 
   SceneInfo scene() const;  ///< as last told by the server
-  /// Called, on the connection's thread, when the scene was edited or replaced.
+  /// Called when the scene was edited or replaced, also while the connection was lost.
   void onSceneChanged(std::function<void(const SceneInfo&, bool replaced)> callback);
+
+  ConnectionState state() const;
+  /// Called when the state changes, with the reason (empty for kConnected), but not by close().
+  void onState(std::function<void(ConnectionState, const Error& reason)> callback);
 
   struct Impl;  ///< the inside, shared with the views
 

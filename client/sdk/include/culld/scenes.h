@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "culld/address.h"
+#include "culld/options.h"
 #include "protocol/answer_file.h"
 #include "protocol/messages.h"
 #include "protocol/result.h"
@@ -51,7 +52,7 @@ struct HttpTimeouts {
 /// server says about the name or the file), kIo (a local file). THREADS: any; calls block.
 class Scenes {
  public:
-  explicit Scenes(Address address, HttpTimeouts timeouts = {});
+  explicit Scenes(Address address, Access access = {}, HttpTimeouts timeouts = {});
 
   Result<ServerDetails> server() const;
   Result<std::vector<SceneDetails>> list() const;
@@ -68,6 +69,7 @@ class Scenes {
 
  private:
   Address address_;
+  Access access_;
   HttpTimeouts timeouts_;
 };
 
