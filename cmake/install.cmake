@@ -1,5 +1,5 @@
 # What `cmake --install` puts, in components of which each becomes a Debian package (cmake/package.cmake):
-#   daemon  culld, its manual page and completion
+#   daemon  culld, its manual pages, completion, units of systemd and configuration
 #   cli     cullctl, the same
 #   sdk     the client SDK with a CMake package (culld-client) and a pkg-config file
 # The engine is not an API.
@@ -19,6 +19,9 @@ endfunction()
 
 install(TARGETS culld RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT daemon)
 culld_install_extras(culld daemon)
+install(FILES ${culld_extras}/culld.toml.5.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man5 COMPONENT daemon)
+configure_file(packaging/install_system.cmake.in ${culld_extras}/install_system.cmake @ONLY)
+install(SCRIPT ${culld_extras}/install_system.cmake COMPONENT daemon)
 
 install(TARGETS cullctl RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT cli)
 culld_install_extras(cullctl cli)

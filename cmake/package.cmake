@@ -35,4 +35,7 @@ culld_package(sdk libculld-client-dev libdevel
   "Headers and libraries for programs that ask culld which objects a camera can"
   "see, with a CMake package and a pkg-config file.")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS cullctl)
+set(culld_control conffiles postinst prerm postrm)
+list(TRANSFORM culld_control PREPEND ${PROJECT_SOURCE_DIR}/packaging/debian/)
+set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA ${culld_control})
 include(CPack)

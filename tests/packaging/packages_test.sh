@@ -33,7 +33,11 @@ depends() {
 }
 
 holds culld /usr/bin/culld /usr/share/man/man1/culld.1.gz /usr/share/bash-completion/completions/culld \
-  /usr/share/zsh/vendor-completions/_culld
+  /usr/share/zsh/vendor-completions/_culld /usr/share/man/man5/culld.toml.5.gz /etc/culld/culld.toml \
+  /usr/lib/systemd/system/culld.service /usr/lib/systemd/system/culld.socket
+[ "$(dpkg-deb -I culld_*.deb conffiles)" = /etc/culld/culld.toml ] || die "culld: an upgrade would overwrite the configuration"
+dpkg-deb --fsys-tarfile culld_*.deb | tar -xO ./usr/lib/systemd/system/culld.service | grep -qx 'ExecStart=/usr/bin/culld serve --config /etc/culld/culld.toml' ||
+  die "culld: the unit starts something else"
 depends culld libc6 libstdc++6 libembree3-3 libspdlog
 ! grep -qE '/(include|cmake|pkgconfig)/' "$work/files" || die "culld: holds what belongs to the SDK"
 holds cullctl /usr/bin/cullctl /usr/share/man/man1/cullctl.1.gz /usr/share/bash-completion/completions/cullctl \
