@@ -260,7 +260,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   std::chrono::nanoseconds timeToWrite() const {
     const ServerLimits& limits = context_.limits;
     return limits.write_timeout +
-           std::chrono::seconds(outbox_.front().bytes.size() / limits.min_upload_bytes_per_s);
+           std::chrono::seconds(outbox_.front().bytes.size() /
+                                std::max<std::uint64_t>(1, limits.min_upload_bytes_per_s));
   }
 
   /// One timer for all messages: it is set again only when it has run out.

@@ -40,6 +40,12 @@ class Script {
   std::span<const std::uint8_t> bytes_;
 };
 
+class PlayClock final : public Clock {
+ public:
+  Time time{0};
+  Time now() const noexcept override { return time; }
+};
+
 class Play {
  public:
   explicit Play(Script script) : script_(script) {
@@ -47,6 +53,7 @@ class Play {
     limits_.max_edits_per_request = 4;
     limits_.max_waiting_edits = 2;
     limits_.kept_frames = 3;
+    limits_.max_requests_in_flight = 6;
   }
 
   void run() {
@@ -56,7 +63,9 @@ class Play {
 
  private:
   void step() {
-    switch (script_.byte() % 10) {
+    const std::uint8_t kind = script_.byte();
+    if (kind >= 240) return sayCancel();  // not a case below: old inputs keep their meaning
+    switch (kind % 10) {
       case 0:
         return say(wire::Hello{script_.byte() % 3U, script_.byte() % 3U, "f"});
       case 1:
@@ -77,7 +86,8 @@ class Play {
         return disturb();
       default: {
         const auto bytes = script_.bytes(script_.byte());
-        return absorb(session_.receive(bytes, now_));
+        if (wire::decode(bytes, limits_.max_message_bytes).ok()) return;  // said above, with ids
+        return absorb(session_.receive(bytes, clock_.time));
       }
     }
   }
@@ -88,9 +98,18 @@ class Play {
     update.ack_frame = script_.byte() % 8U;
     wire::LookAt look;
     look.eye = {static_cast<double>(script_.byte()), 0, 5};
-    look.target = {0, 0, static_cast<double>(script_.byte() % 3)};
+    const std::uint8_t more = script_.byte();
+    look.target = {0, 0, static_cast<double>(more % 3)};
+    if (more >= 128) update.deadline_us = 1U << (more % 32U);
     update.camera.pose = look;
     say(update);
+  }
+
+  void sayCancel() {
+    const std::uint64_t back = script_.byte() % 8U;
+    if (back >= last_id_) return;
+    cancelled_.insert(last_id_ - back);
+    say(wire::Cancel{last_id_ - back});
   }
 
   void sayEdit() {
@@ -105,7 +124,9 @@ class Play {
 
   /// The scene moves under the session, time passes, text comes in, the server leaves.
   void disturb() {
-    switch (script_.byte() % 5) {
+    const std::uint8_t kind = script_.byte();
+    if (kind >= 250) return hangUp();
+    switch (kind % 5) {
       case 0:
         scene_->replace(rowOfObjects(30 + script_.byte() % 4U));
         break;
@@ -113,8 +134,8 @@ class Play {
         absorb(session_.sceneMoved());
         break;
       case 2:
-        now_ += std::chrono::milliseconds(script_.byte() * 20);
-        absorb(session_.tick(now_));
+        clock_.time += std::chrono::milliseconds(script_.byte() * 20);
+        absorb(session_.tick(clock_.time));
         break;
       case 3:
         absorb(session_.receiveText());
@@ -125,13 +146,20 @@ class Play {
     }
   }
 
+  /// Whoever is gone says nothing more.
+  void hangUp() {
+    gone_ = true;
+    session_.hangUp();
+    require(!session_.greeted() || !session_.nextTick());
+  }
+
   void finishCull() {
     if (culls_.empty()) return;
     const std::size_t which = script_.byte() % culls_.size();
     CullJob job = std::move(culls_[which]);
     culls_.erase(culls_.begin() + static_cast<std::ptrdiff_t>(which));
     running_.erase(job.incarnation);
-    absorb(session_.culled(runCull(std::move(job), steadyClock())));
+    absorb(session_.culled(runCull(std::move(job), clock_)));
   }
 
   void finishEdit() {
@@ -150,7 +178,8 @@ class Play {
   }
 
   void say(wire::Body body) {
-    absorb(session_.receive(wire::encode({++last_id_, std::move(body)}), now_));
+    if (gone_) return;
+    absorb(session_.receive(wire::encode({++last_id_, std::move(body)}), clock_.time));
   }
 
   void absorb(Actions actions) {
@@ -179,8 +208,14 @@ class Play {
     if (const auto* changed = std::get_if<wire::SceneChanged>(&message.value().body)) {
       if (changed->replaced) held_.clear();
     }
+    const std::uint64_t id = message.value().id;
+    if (const auto* error = std::get_if<wire::ErrorReply>(&message.value().body)) {
+      require(error->code != wire::WireCode::kCancelled || cancelled_.contains(id));
+      require(error->code != wire::WireCode::kCancelled || replied_.insert(id).second);
+    }
     const auto* answer = std::get_if<wire::Answer>(&message.value().body);
     if (answer == nullptr) return;
+    require(replied_.insert(id).second);
     require(waiting_answers_.insert(send.tag.incarnation).second);
     auto& frames = held_[send.tag.incarnation];
     require(answer->baseline == 0 || frames.contains(answer->baseline));
@@ -208,9 +243,12 @@ class Play {
   std::shared_ptr<Scene> scene_ = std::make_shared<Scene>("f", Methods(table_), rowOfObjects(32));
   SessionLimits limits_;
   Session session_{scene_, limits_, "fuzz", Time(0)};
-  Time now_{0};
+  PlayClock clock_;
   std::uint64_t last_id_ = 0;
   bool closed_ = false;
+  bool gone_ = false;
+  std::set<std::uint64_t> cancelled_;
+  std::set<std::uint64_t> replied_;  ///< answered or cancelled
   std::vector<CullJob> culls_;
   std::deque<EditJob> edits_;
   std::deque<SendTag> unsent_;

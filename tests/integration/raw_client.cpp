@@ -55,7 +55,10 @@ RawSocket RawSocket::unixDomain(const std::string& path) {
 }
 
 RawSocket::RawSocket(RawSocket&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), ended_(other.ended_), buffer_(std::move(other.buffer_)) {}
+    : fd_(std::exchange(other.fd_, -1)),
+      ended_(other.ended_),
+      bytewise_(other.bytewise_),
+      buffer_(std::move(other.buffer_)) {}
 
 RawSocket::~RawSocket() {
   if (fd_ >= 0) ::close(fd_);
@@ -63,7 +66,7 @@ RawSocket::~RawSocket() {
 
 bool RawSocket::send(std::string_view data) {
   while (!data.empty()) {
-    const ssize_t n = ::send(fd_, data.data(), data.size(), MSG_NOSIGNAL);
+    const ssize_t n = ::send(fd_, data.data(), bytewise_ ? 1 : data.size(), MSG_NOSIGNAL);
     if (n <= 0) return false;
     data.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -103,6 +106,12 @@ std::optional<std::string> RawSocket::readToEnd() {
   }
   if (!ended_) return std::nullopt;
   return std::exchange(buffer_, {});
+}
+
+void RawSocket::setPatience(std::chrono::milliseconds limit) {
+  const timeval patience{limit.count() / 1000, limit.count() % 1000 * 1000};
+  ::setsockopt(fd_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  ::setsockopt(fd_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
 }
 
 void RawSocket::shutdownWrite() { ::shutdown(fd_, SHUT_WR); }

@@ -2,6 +2,7 @@
 // that shares no code with it, and can be as rude as a test needs. Every wait ends after ten
 // seconds.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,6 +32,10 @@ class RawSocket {
   /// All until the peer closes; none when it did not in time.
   std::optional<std::string> readToEnd();
   void shutdownWrite();
+  /// Waits are over after this long instead.
+  void setPatience(std::chrono::milliseconds limit);
+  /// From now on every byte is sent by itself.
+  void sendBytewise() noexcept { bytewise_ = true; }
 
  private:
   explicit RawSocket(int fd) : fd_(fd) {}
@@ -38,6 +43,7 @@ class RawSocket {
 
   int fd_ = -1;
   bool ended_ = false;
+  bool bytewise_ = false;
   std::string buffer_;
 };
 

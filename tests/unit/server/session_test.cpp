@@ -121,6 +121,25 @@ TEST_F(SessionTest, ForgetsBaselinesPastTheLimit) {
   EXPECT_EQ(last<wire::Answer>().baseline, 0U);
 }
 
+TEST_F(SessionTest, ForgetsBaselinesOfTooManyIds) {
+  limits.kept_frames = 100;
+  limits.kept_ids = 250;  // two sets of a hundred
+  Session tight{scene, limits, "culld/test", Time(0)};
+  const auto ask = [&](std::uint64_t id, std::uint32_t ack) {
+    absorb(tight.receive(wire::encode({id, wire::CameraUpdate{1, cameraAt(0), {}, ack}}), {}));
+    for (CullJob& job : std::exchange(culls, {})) absorb(tight.culled(runCull(job, clock)));
+    for (const SendTag& tag : std::exchange(unsent, {})) absorb(tight.sent(tag));
+    return last<wire::Answer>();
+  };
+  absorb(tight.receive(wire::encode({1, wire::Hello{1, 1, "test"}}), Time(0)));
+  absorb(tight.receive(wire::encode({2, wire::OpenView{1, "", false}}), Time(0)));
+  ask(10, 0);
+  EXPECT_EQ(ask(11, 1).baseline, 1U);
+  EXPECT_EQ(ask(12, 1).baseline, 1U) << "frames 1 and 2";
+  EXPECT_EQ(ask(13, 1).baseline, 0U) << "frames 2 and 3";
+  EXPECT_EQ(ask(14, 4).baseline, 4U);
+}
+
 TEST_F(SessionTest, ChangesAddUpToTheFullSets) {
   hello();
   open(1);
@@ -150,6 +169,10 @@ TEST_F(SessionTest, NamesWhatIsWrongWithACameraAndLivesOn) {
   wire::Camera singular;
   singular.pose = wire::Matrices{};
   say(wire::CameraUpdate{1, singular, {}, 0}, 11);
+  expectError(wire::WireCode::kInvalidCamera, "view 1: ");
+  wire::Camera wide = cameraAt(0);
+  wide.width_px = wire::kMaxImageSide + 1;
+  say(wire::CameraUpdate{1, wide, {}, 0}, 12);
   expectError(wire::WireCode::kInvalidCamera, "view 1: ");
   wire::Camera flat = cameraAt(0);
   flat.height_px = 0;
