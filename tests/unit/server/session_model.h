@@ -140,7 +140,7 @@ class Conversation {
     if (edits_.empty()) return false;
     const EditJob job = std::move(edits_.front());
     edits_.clear();
-    EditDone done = runEdit(*scene_, job);
+    EditDone done = std::move(runEdits(*scene_, {&job, 1}).front());
     const bool changed = done.changed;
     absorb(session_.edited(std::move(done)));
     return changed;
