@@ -31,7 +31,7 @@ case $engine in
       "$engine" rm "$container" >/dev/null
     }
     destroy() { "$engine" rm -f "$container" >/dev/null 2>&1 || true; "$engine" volume rm "$container" >/dev/null 2>&1 || true; }
-    config() { "$engine" inspect --type image -f "{{json .Config.$1}}" "$image"; }
+    config() { "$engine" inspect --type image -f "{{.Config.$1}}" "$image"; }
     ;;
   buildah)
     read -ra options <<<"${BUILDAH_OPTIONS:-}"
@@ -57,7 +57,7 @@ case $engine in
       daemon=''
     }
     destroy() { [ -z "$daemon" ] || stop; b rm "$container" >/dev/null; }
-    config() { b inspect --type image --format "{{json .Docker.Config.$1}}" "$image"; }
+    config() { b inspect --type image --format "{{.Docker.Config.$1}}" "$image"; }
     ;;
   *) die "$engine: not docker, podman or buildah" ;;
 esac
@@ -97,7 +97,7 @@ say "what the image says of itself"
 for field in User Healthcheck StopSignal Volumes ExposedPorts; do
   value=$(config "$field")
   echo "$field: $value"
-  case $value in '""' | null | '"root"' | '"0"') die "the image has no $field" ;; esac
+  case $value in '' | '<nil>' | 'map[]' | root | 0) die "the image has no $field" ;; esac
 done
 
 create
