@@ -15,6 +15,14 @@ systemd-analyze verify --man=no --recursive-errors=no "$units/culld.service" "$u
 # 0 is shut in completely, 10 not at all; the port that it must serve is most of what is left.
 systemd-analyze security --offline=true --no-pager --threshold=16 "$units/culld.service" >"$work/security" || die "$(tail -1 "$work/security")"
 
+# The settings that docs/packaging.md gives reasons for.
+mapfile -t settings < <(sed -n '/^| setting | why |/,/^$/p' "$(dirname "$0")/../../docs/packaging.md" | cut -d'|' -f2 | grep -v '^ no ' | grep -o '`[^`]*`' | tr -d '`')
+[ "${#settings[@]}" -ge 8 ] || die "docs/packaging.md: no table of settings"
+for setting in "${settings[@]}"; do
+  grep -q "^$setting" "$units/culld.service" || die "docs/packaging.md names $setting, the unit does not have it"
+done
+! grep -E '^(PrivateUsers|IPAddressDeny)' "$units/culld.service" || die "docs/packaging.md says why that is not set"
+
 command=$(sed -n 's/^ExecStart=//p' "$units/culld.service")
 read -ra words <<<"$command"
 [ "${words[0]}" = "$work/bin/culld" ] || die "ExecStart: $command"
