@@ -10,7 +10,7 @@ import re
 import sys
 import tempfile
 
-CODE_FOLDERS = ("protocol", "culling", "server", "client", "tests", "cmake")
+CODE_FOLDERS = ("protocol", "culling", "server", "client", "tests", "cmake", "packaging", "docker")
 CODE_SUFFIXES = (".h", ".cpp", ".txt", ".cmake", ".py", ".sh", ".fbs")
 MAX_LINES = 500  # the aim is 400; what is longer has become two ideas
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)")
