@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "culling/planner/auto_method.h"
 
@@ -124,6 +125,25 @@ TEST_F(MetricsOf, ThePlanThatAnswersFollow) {
   EXPECT_EQ(plan["occlusion"], "left out");
   EXPECT_FALSE(plan["why"].get<std::string>().empty());
   server.reset();  // before its method goes
+}
+
+TEST_F(MetricsOf, WhateverThePageReadsIsInItsSource) {
+  startWithRow();
+  const json status = json::parse(request(port(), "GET", "/v1/status").body);
+  const std::string page = request(port(), "GET", "/").body;
+  const std::pair<const char*, json> read[] = {
+      {R"(\bnow\.(\w+))", status},
+      {R"(\bs\.(\w+))", status["scenes"][0]},
+      {R"(\bt\.(\w+))", status["totals"]},
+      {R"(\b(?:gained|rate)\('(\w+)'\))", status["totals"]}};
+  for (const auto& [pattern, source] : read) {
+    const std::regex names(pattern);
+    int found = 0;
+    for (std::sregex_iterator at(page.begin(), page.end(), names), end; at != end; ++at, ++found) {
+      EXPECT_TRUE(source.contains((*at)[1].str())) << (*at)[0].str();
+    }
+    EXPECT_GT(found, 3) << pattern;
+  }
 }
 
 TEST_F(MetricsOf, AMethodThatDoesNotTellWhatItSawHasNoSuchCount) {
