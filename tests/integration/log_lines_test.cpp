@@ -129,19 +129,5 @@ TEST_F(LogLines, ConnectionsThatAreTooMany) {
       << all(found);
 }
 
-TEST_F(LogLines, LimitsThatAreReplacedHoldForWhoComesNext) {
-  start();
-  server::ServerLimits limits = options.limits;
-  limits.max_connections = 2;
-  server->setLimits(limits);
-  const RawSocket one = socket();
-  const RawSocket two = socket();
-  RawSocket three = socket();
-  EXPECT_TRUE(three.readUntil(" 503 "));
-  limits.max_connections = 20;
-  server->setLimits(limits);
-  EXPECT_EQ(request(port(), "GET", "/livez").status, 200);
-}
-
 }  // namespace
 }  // namespace culld::testing
