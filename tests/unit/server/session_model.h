@@ -98,9 +98,19 @@ class Conversation {
   void cancel(std::uint64_t back) {
     if (back >= last_id_) return;
     const std::uint64_t id = last_id_ - back;
-    if (const auto at = asked_.find(id); at != asked_.end()) at->second.cancelled = true;
+    const auto at = asked_.find(id);
+    if (at != asked_.end()) at->second.cancelled = true;
     ++last_id_;
     absorb(session_.receive(wire::encode({last_id_, wire::Cancel{id}}), clock_.time));
+    if (at == asked_.end()) return;
+    const Asked& asked = at->second;
+    if (asked.kind == Asked::Kind::kEdit) {
+      EXPECT_TRUE(asked.replied || asked.begun) << "edit " << id << " was not cancelled in time";
+    }
+    const auto view = views_.find(asked.incarnation);
+    if (view != views_.end() && view->second.open && view->second.cameras.back() == id) {
+      EXPECT_TRUE(asked.replied) << "camera " << id << " was not cancelled";
+    }
   }
   void garbage(Random& random) {
     std::vector<std::uint8_t> bytes(random() % 64);
@@ -117,7 +127,14 @@ class Conversation {
 
   void tick() {
     const auto next = session_.nextTick();
-    if (next && *next <= clock_.time) absorb(session_.tick(clock_.time));
+    if (!next || *next > clock_.time) return;
+    absorb(session_.tick(clock_.time));
+    for (const auto& [incarnation, view] : views_) {
+      if (gone_ || !view.open || view.cameras.empty()) continue;
+      const Asked& newest = asked_[view.cameras.back()];
+      const bool late = newest.deadline && *newest.deadline <= clock_.time && !newest.begun;
+      EXPECT_TRUE(newest.replied || !late) << "a camera waits past its deadline";
+    }
   }
   void sceneMoved() {
     if (!gone_) absorb(session_.sceneMoved());
@@ -226,6 +243,12 @@ class Conversation {
     EXPECT_FALSE(asked.replied) << "a camera that has its reply is culled";
     EXPECT_EQ(asked.incarnation, job.incarnation);
     asked.begun = true;
+    for (const auto& [id, other] : asked_) {
+      if (id >= job.request_id) break;
+      if (other.kind == Asked::Kind::kEdit) {
+        EXPECT_TRUE(other.replied) << "a camera is culled before an edit that was sent before it";
+      }
+    }
     asked.right = fakeVisible(*job.scene->snapshot(), job.camera.origin_world.x);
     asked.epoch = job.scene->epoch();
     if (asked.epoch == edited_epoch_) {
@@ -262,8 +285,7 @@ class Conversation {
     ++tally_.replaced;
     told_epoch_ = scene_->current()->epoch();
     for (auto& [incarnation, view] : views_) {
-      view.frames.clear();
-      view.newest_frame = 0;
+      view.frames.clear();  // the client may still acknowledge one: it has not read this yet
     }
   }
 
