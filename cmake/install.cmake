@@ -1,7 +1,7 @@
 # What `cmake --install` puts, in components of which each becomes a Debian package (cmake/package.cmake):
 #   daemon  culld, its manual pages, completion, units of systemd and configuration
 #   cli     cullctl, the same
-#   sdk     the client SDK with a CMake package (culld-client) and a pkg-config file
+#   sdk     the client SDK with a CMake package (culld-client) and pkg-config files, for C++ and for C
 # The engine is not an API.
 
 set(culld_sdk_include ${CMAKE_INSTALL_INCLUDEDIR}/culld-client)
@@ -35,6 +35,8 @@ set_target_properties(culld_protocol PROPERTIES EXPORT_NAME protocol)
 
 install(TARGETS culld_client culld_protocol EXPORT culld-client
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
+install(TARGETS culld_client_c EXPORT culld-client LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
+target_include_directories(culld_client_c INTERFACE $<INSTALL_INTERFACE:${culld_sdk_include}>)
 install(DIRECTORY client/sdk/include/ DESTINATION ${culld_sdk_include} COMPONENT sdk FILES_MATCHING PATTERN "*.h")
 # Of protocol, what the SDK's headers speak of.
 install(FILES protocol/answer_file.h protocol/limits.h protocol/messages.h protocol/result.h DESTINATION ${culld_sdk_include}/protocol COMPONENT sdk)
@@ -47,5 +49,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/culld-clientConfigVersion
 install(FILES ${PROJECT_BINARY_DIR}/culld-clientConfig.cmake ${PROJECT_BINARY_DIR}/culld-clientConfigVersion.cmake
   DESTINATION ${culld_sdk_cmake} COMPONENT sdk)
 
-configure_file(cmake/culld-client.pc.in ${PROJECT_BINARY_DIR}/culld-client.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/culld-client.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT sdk)
+foreach(pc culld-client culld-client-c)
+  configure_file(cmake/${pc}.pc.in ${PROJECT_BINARY_DIR}/${pc}.pc @ONLY)
+endforeach()
+install(FILES ${PROJECT_BINARY_DIR}/culld-client.pc ${PROJECT_BINARY_DIR}/culld-client-c.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT sdk)

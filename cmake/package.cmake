@@ -38,4 +38,5 @@ set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS cullctl)
 set(culld_control conffiles postinst prerm postrm)
 list(TRANSFORM culld_control PREPEND ${PROJECT_SOURCE_DIR}/packaging/debian/)
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA ${culld_control})
+set(CPACK_DEBIAN_SDK_PACKAGE_DEPENDS libssl-dev)  # the static libraries are linked against it
 include(CPack)

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "culld/address.h"
 #include "culld/options.h"
@@ -57,5 +58,33 @@ struct FlyArguments {
   bool loop = false;
 };
 int runFly(const Server& server, const FlyArguments& arguments);
+
+struct EditArguments {
+  std::string scene;
+  std::vector<std::string> set, add;            ///< ID=12 numbers
+  std::vector<std::string> hide, show, remove;  ///< IDs
+  std::uint64_t expected_version = 0;
+  bool by_object = false;  ///< IDs are the server's object ids, not nodes of the file
+  bool json = false;
+};
+int runEdit(const Server& server, const EditArguments& arguments);
+
+struct WatchArguments {
+  std::string scene;
+  std::uint32_t count = 0;  ///< lines; 0: until interrupted
+  bool json = false;
+};
+int runWatch(const Server& server, const WatchArguments& arguments);
+
+struct LoadArguments {
+  CullArguments cull;  ///< all but the output; `cameras` may be empty
+  std::uint32_t clients = 1, views = 1;
+  double rate_hz = 60.0, seconds = 10.0;
+  double radius_m = 0.0, angle_rad = 0.0;  ///< a client asks again when it leaves this bound
+  double late_ms = 0.0;                    ///< 0: the time between two cameras
+  std::uint32_t verify_every = 100;        ///< answers of a client; 0: none
+  bool json = false;
+};
+int runLoad(const Server& server, const LoadArguments& arguments);
 
 }  // namespace culld::client

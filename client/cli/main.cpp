@@ -15,6 +15,9 @@ struct Arguments {
   bool json = false;
   std::uint32_t count = 1;
   FlyArguments fly;
+  EditArguments edit;
+  WatchArguments watch;
+  LoadArguments load;
 };
 
 /// Chosen while the command line is read, run afterwards.
@@ -48,9 +51,10 @@ void addPing(CLI::App& app, Arguments& a, Command& command) {
       [&] { command = [&](const Server& at) { return runPing(at, a.scene, a.count, a.json); }; });
 }
 
-void addCullOptions(CLI::App& app, CullArguments& a) {
+/// Returns the option --cameras.
+CLI::Option* addCullOptions(CLI::App& app, CullArguments& a) {
   app.add_option("NAME", a.scene, "scene on the server")->required();
-  app.add_option("--cameras", a.cameras, "cameras file, a JSON list")->required();
+  auto* cameras = app.add_option("--cameras", a.cameras, "cameras file, a JSON list");
   app.add_option("--method", a.method, "culling method; auto: the server chooses");
   app.add_option("--guarantee", a.guarantee, "conservative, hole, sampled or approximate");
   app.add_option("--hole-px", a.demand.hole_px, "side of the hole accepted, with hole");
@@ -59,21 +63,64 @@ void addCullOptions(CLI::App& app, CullArguments& a) {
   app.add_option("--time-us", a.demand.time_us, "time per camera, in microseconds; 0: no limit");
   app.add_option("--width", a.width_px, "image width, for cameras that do not say");
   app.add_option("--height", a.height_px, "image height, for cameras that do not say");
+  return cameras;
 }
 
 void addCull(CLI::App& app, Arguments& a, Command& command) {
   CLI::App* cull = app.add_subcommand("cull", "Answer a file of cameras");
-  addCullOptions(*cull, a.fly.cull);
+  addCullOptions(*cull, a.fly.cull)->required();
   cull->add_option("-o,--output", a.fly.cull.output, "answers file to write")->required();
   cull->callback([&] { command = [&](const Server& at) { return runCull(at, a.fly.cull); }; });
   CLI::App* fly = app.add_subcommand("fly", "Fly along cameras and watch the answers");
-  addCullOptions(*fly, a.fly.cull);
+  addCullOptions(*fly, a.fly.cull)->required();
   auto* output = fly->add_option("-o,--output", a.fly.cull.output, "answers file to write");
   auto* json = fly->add_option("--json", a.fly.json_output, "per-frame measurements to write");
   fly->add_flag("--loop", a.fly.loop, "again and again, until interrupted")
       ->excludes(output)
       ->excludes(json);
   fly->callback([&] { command = [&](const Server& at) { return runFly(at, a.fly); }; });
+}
+
+void addEdit(CLI::App& app, Arguments& a, Command& command) {
+  EditArguments& e = a.edit;
+  CLI::App* edit = app.add_subcommand("edit", "Change a scene: all of it or nothing");
+  edit->add_option("NAME", e.scene, "scene on the server")->required();
+  edit->add_option("--set", e.set, "ID=12 numbers: moves an object; rows of world from mesh")
+      ->allow_extra_args(false);
+  edit->add_option("--add", e.add, "ID=12 numbers: a further instance of the object's mesh")
+      ->allow_extra_args(false);
+  edit->add_option("--hide", e.hide, "IDs, with commas")->allow_extra_args(false);
+  edit->add_option("--show", e.show, "IDs that were hidden")->allow_extra_args(false);
+  edit->add_option("--remove", e.remove, "IDs, for good")->allow_extra_args(false);
+  edit->add_option("--expect-version", e.expected_version, "only if the scene is at this version");
+  edit->add_flag("--objects", e.by_object, "IDs are object ids, not nodes of the file");
+  edit->add_flag("--json", e.json, "print JSON");
+  edit->callback([&] { command = [&](const Server& at) { return runEdit(at, a.edit); }; });
+  CLI::App* watch = app.add_subcommand("watch", "Follow the changes of a scene");
+  watch->add_option("NAME", a.watch.scene, "scene on the server")->required();
+  watch->add_option("--count", a.watch.count, "end after so many lines; 0: never");
+  watch->add_flag("--json", a.watch.json, "print a JSON object a line");
+  watch->callback([&] { command = [&](const Server& at) { return runWatch(at, a.watch); }; });
+}
+
+void addLoad(CLI::App& app, Arguments& a, Command& command) {
+  LoadArguments& l = a.load;
+  CLI::App* load = app.add_subcommand("load", "Send cameras of many clients by the clock");
+  addCullOptions(*load, l.cull);
+  const auto positive = CLI::Range(1e-3, 1e6);
+  const auto not_negative = CLI::Range(0.0, 1e6);
+  load->add_option("--clients", l.clients, "connections")->check(CLI::Range(1U, 10'000U));
+  load->add_option("--views", l.views, "views of each")->check(CLI::Range(1U, 1'000U));
+  load->add_option("--rate", l.rate_hz, "cameras a second and view")->check(positive);
+  load->add_option("--seconds", l.seconds, "how long")->check(positive);
+  load->add_option("--radius", l.radius_m, "motion bound, m: ask again on leaving it")
+      ->check(not_negative);
+  load->add_option("--angle", l.angle_rad, "motion bound, radians")->check(not_negative);
+  load->add_option("--late-ms", l.late_ms, "answers after this are late; 0: the time of a camera")
+      ->check(not_negative);
+  load->add_option("--verify", l.verify_every, "ask every so manieth camera again; 0: none");
+  load->add_flag("--json", l.json, "print JSON");
+  load->callback([&] { command = [&](const Server& at) { return runLoad(at, a.load); }; });
 }
 
 /// An empty name or path is a shell variable that was never set, not a wish.
@@ -101,6 +148,8 @@ int run(int argc, char** argv) {
   addScenes(app, arguments, command);
   addPing(app, arguments, command);
   addCull(app, arguments, command);
+  addEdit(app, arguments, command);
+  addLoad(app, arguments, command);
   refuseEmptyText(app);
   try {
     app.parse(argc, argv);
