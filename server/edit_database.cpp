@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <bit>
+#include <cerrno>
 #include <cstring>
 
 #include "server/checksum.h"
@@ -37,13 +38,28 @@ std::uint64_t checksumOfState(const std::string& owner, const EditTotals& totals
   return checksumOf(std::as_bytes(std::span(parts)));
 }
 
-/// The words of a failed call.
-Error failure(sqlite3* db, const std::string& what) {
-  std::string words = sqlite3_errmsg(db);
-  if (const int cause = sqlite3_system_errno(db); cause != 0) {
-    words += " (" + std::string(std::strerror(cause)) + ")";
+/// What SQLite's words leave out. It keeps errno for some calls only.
+std::string cause(sqlite3* db) {
+  switch (sqlite3_extended_errcode(db)) {
+    case SQLITE_FULL:
+      return std::string(" (") + std::strerror(ENOSPC) + ")";
+    case SQLITE_IOERR_FSYNC:
+    case SQLITE_IOERR_DIR_FSYNC:
+      return " at a sync";
+    case SQLITE_IOERR_WRITE:
+      return " at a write";
+    case SQLITE_IOERR_TRUNCATE:
+      return " at a truncation";
+    case SQLITE_IOERR_READ:
+    case SQLITE_IOERR_SHORT_READ:
+      return " at a read";
+    default:
+      return "";
   }
-  return {ErrorCode::kIo, what + ": " + words};
+}
+
+Error failure(sqlite3* db, const std::string& what) {
+  return {ErrorCode::kIo, what + ": " + sqlite3_errmsg(db) + cause(db)};
 }
 
 Error damaged(const std::string& what) { return invalidInput("damaged: " + what); }
@@ -234,6 +250,11 @@ Result<void> EditDatabase::create(const std::filesystem::path& file, const std::
 
 Result<EditDatabase> EditDatabase::open(const std::filesystem::path& file,
                                         const std::string& owner) {
+  std::error_code missing;
+  const auto size = std::filesystem::file_size(file, missing);
+  if (missing) return Error{ErrorCode::kIo, "cannot open: " + missing.message()};
+  // SQLite would take an empty file for a new database, and delete the log beside it.
+  if (size == 0) return damaged("the database is empty");
   auto impl = std::make_unique<Impl>();
   impl->owner = owner;
   constexpr int kFlags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_EXRESCODE;

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cstring>
 
 #include "server/checksum.h"
@@ -75,20 +75,30 @@ Mark makeMark(const EditTotals& totals) {
   return mark;
 }
 
+/// The mark has two places, written in turn: one that was being written when the process ended or
+/// the disk was full must not make the store look damaged.
+using Marks = std::array<Mark, 2>;
+
+bool valid(const Mark& mark) {
+  return std::memcmp(mark.magic, makeMark({}).magic, sizeof(mark.magic)) == 0 &&
+         mark.check == checkOf(mark);
+}
+
 Result<void> compareMark(const FileDescriptor& file, const EditTotals& totals) {
-  Mark mark{};
+  Marks marks{};
   char more = 0;
-  if (::pread(file.get(), &mark, sizeof(mark), 0) != ssize_t{sizeof(mark)} ||
-      ::pread(file.get(), &more, 1, sizeof(mark)) != 0 ||
-      std::memcmp(mark.magic, makeMark({}).magic, sizeof(mark.magic)) != 0 ||
-      mark.check != checkOf(mark)) {
+  const bool whole = ::pread(file.get(), &marks, sizeof(marks), 0) == ssize_t{sizeof(marks)} &&
+                     ::pread(file.get(), &more, 1, sizeof(marks)) == 0;
+  if (!whole || (!valid(marks[0]) && !valid(marks[1]))) {
     return invalidInput("damaged: the mark of the last edit");
   }
+  const bool second =
+      !valid(marks[0]) || (valid(marks[1]) && marks[1].totals.version > marks[0].totals.version);
+  const EditTotals& last = marks[second ? 1 : 0].totals;
   // The mark follows the commit, so the edits may be one group ahead of it, and never behind.
-  const bool behind = totals.version < mark.totals.version;
-  const bool other = totals.version == mark.totals.version && totals != mark.totals;
-  if (!behind && !other) return Done{};
-  return invalidInput("damaged: edits up to version " + std::to_string(mark.totals.version) +
+  const bool behind = totals.version < last.version;
+  if (!behind && (totals.version > last.version || totals == last)) return Done{};
+  return invalidInput("damaged: edits up to version " + std::to_string(last.version) +
                       " were acknowledged, and those up to " + std::to_string(totals.version) +
                       (behind ? " are there" : " are not the same"));
 }
@@ -167,7 +177,7 @@ Result<std::optional<EditedScene>> EditStore::load(const SnapshotPtr& base) {
   totals_ = contents.value().totals;
   // What the log holds may never have reached the disk; from here on it has, or a new store is
   // made.
-  if (!database_->checkpoint() || !writeMark(totals_)) database_.reset();
+  if (!database_->checkpoint() || !writeMark(totals_) || !writeMark(totals_)) database_.reset();
   mine.pop_back();
   for (const std::string& older : mine) removeStore(folder_, older);
   return std::optional<EditedScene>(std::move(scene).value());
@@ -217,15 +227,17 @@ Result<void> EditStore::fill(const fs::path& folder, const SceneSnapshot& scene)
   }
   const FileDescriptor mark(::open((folder / kMark).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666));
   if (mark.get() < 0) return ioError("cannot make a mark");
-  const Mark content = makeMark(totals_);
-  if (auto w = writeAll(mark, std::as_bytes(std::span(&content, 1)), "mark"); !w) return w;
+  const Marks content{makeMark(totals_), makeMark(totals_)};
+  if (auto w = writeAll(mark, std::as_bytes(std::span(content)), "mark"); !w) return w;
   if (::fsync(mark.get()) != 0) return ioError("cannot sync the mark");
   return syncFolder(folder);
 }
 
-Result<void> EditStore::writeMark(const EditTotals& totals) const {
+Result<void> EditStore::writeMark(const EditTotals& totals) {
   const Mark mark = makeMark(totals);
-  if (::pwrite(mark_.get(), &mark, sizeof(mark), 0) == ssize_t{sizeof(mark)}) return Done{};
+  next_mark_ = 1 - next_mark_;
+  const auto place = static_cast<off_t>(next_mark_ * sizeof(mark));
+  if (::pwrite(mark_.get(), &mark, sizeof(mark), place) == ssize_t{sizeof(mark)}) return Done{};
   return ioError("cannot write the mark");
 }
 

@@ -61,7 +61,7 @@ class EditStore {
   Result<void> openMade();
   Result<void> write(const TouchedObjects& changed, const SceneSnapshot& after,
                      const EditTotals& totals);
-  Result<void> writeMark(const EditTotals& totals) const;
+  Result<void> writeMark(const EditTotals& totals);
   TouchedObjects touchedBy(const SceneSnapshot& before, std::span<const Edit> edits) const;
 
   const std::filesystem::path folder_;  ///< of all stores
@@ -70,6 +70,7 @@ class EditStore {
   std::filesystem::path path_;  ///< empty: no edit was made yet
   std::optional<EditDatabase> database_;
   FileDescriptor mark_;
+  std::size_t next_mark_ = 0;
   TouchedObjects touched_;
   EditTotals totals_;
   std::string halted_;
