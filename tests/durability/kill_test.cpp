@@ -1,6 +1,6 @@
 // kill -9 at random moments, with uploads, replacements, removals and edits under way. What clients
 // were told is there after the restart; what they were not told is there whole or not at all.
-// CULLD_SEED names the run, CULLD_LONG=1 makes it a thousand kills.
+// CULLD_KILL_SEED names the run, CULLD_LONG=1 makes it a thousand kills.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tests/durability/known_scene.h"
+#include "tests/scenes/rounds.h"
 
 namespace culld::testing {
 namespace {
@@ -18,10 +19,12 @@ namespace fs = std::filesystem;
 namespace wire = protocol;
 using scenes::Random;
 
-int kills() { return std::getenv("CULLD_LONG") != nullptr ? 1000 : 20; }
+int kills() {
+  return std::getenv("CULLD_LONG") != nullptr ? static_cast<int>(scenes::rounds(1000)) : 20;
+}
 
 std::uint64_t seed() {
-  const char* given = std::getenv("CULLD_SEED");
+  const char* given = std::getenv("CULLD_KILL_SEED");
   return given == nullptr ? 1 : std::strtoull(given, nullptr, 10);
 }
 

@@ -98,6 +98,26 @@ TEST_F(SceneRestartTest, EditsAreThereAfterARestart) {
   EXPECT_EQ(store->find("s")->current()->snapshot()->objectCount(), 6U);
 }
 
+TEST_F(SceneRestartTest, RequestsKeptTogetherSucceedAndFailEachForItself) {
+  put("s", 5);
+  const std::vector<EditRequest> requests{
+      {{HideObject{1}}, 1}, {{HideObject{99}}, 0}, {{HideObject{2}}, 1}, {{RemoveObject{3}}, 2}};
+  const auto outcomes = store->find("s")->edit(requests);
+  ASSERT_EQ(outcomes.size(), 4U);
+  ASSERT_TRUE(outcomes[0].ok());
+  EXPECT_EQ(outcomes[0].value().version, 2U);
+  EXPECT_EQ(outcomes[1].error().code, ErrorCode::kInvalidInput);
+  EXPECT_EQ(outcomes[2].error().code, ErrorCode::kUnavailable) << "the first made it version 2";
+  ASSERT_TRUE(outcomes[3].ok());
+  EXPECT_EQ(outcomes[3].value().version, 3U);
+  open();
+  EXPECT_EQ(version("s"), 3U);
+  const SnapshotPtr scene = store->find("s")->current()->snapshot();
+  EXPECT_TRUE(scene->instance(1).hidden);
+  EXPECT_FALSE(scene->instance(2).hidden);
+  EXPECT_TRUE(scene->instance(3).removed);
+}
+
 TEST_F(SceneRestartTest, AReplacedSceneTakesItsEditsWithIt) {
   put("s", 5);
   edit("s", {HideObject{1}});
