@@ -1,6 +1,7 @@
 # What `cmake --install` puts, in components of which each becomes a Debian package (cmake/package.cmake):
 #   daemon  culld, its manual pages, completion, units of systemd and configuration
 #   cli     cullctl, the same
+#   lib     the client's shared library for C
 #   sdk     the client SDK with a CMake package (culld-client) and pkg-config files, for C++ and for C
 # The engine is not an API.
 
@@ -35,7 +36,8 @@ set_target_properties(culld_protocol PROPERTIES EXPORT_NAME protocol)
 
 install(TARGETS culld_client culld_protocol EXPORT culld-client
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
-install(TARGETS culld_client_c EXPORT culld-client LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT sdk)
+install(TARGETS culld_client_c EXPORT culld-client
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT lib NAMELINK_COMPONENT sdk)
 target_include_directories(culld_client_c INTERFACE $<INSTALL_INTERFACE:${culld_sdk_include}>)
 install(DIRECTORY client/sdk/include/ DESTINATION ${culld_sdk_include} COMPONENT sdk FILES_MATCHING PATTERN "*.h")
 # Of protocol, what the SDK's headers speak of.

@@ -3,7 +3,7 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME culld)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL daemon cli sdk)
+set(CPACK_COMPONENTS_ALL daemon cli lib sdk)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -30,13 +30,18 @@ culld_package(cli cullctl net
   "command line client of the visibility server culld"
   "cullctl uploads and describes scenes, sends cameras to a server and writes"
   "what it answers.")
+culld_package(lib libculld-client1 libs
+  "client library of the visibility server culld, for C"
+  "A shared library for programs that ask culld which objects a camera can see.")
 culld_package(sdk libculld-client-dev libdevel
   "client SDK of the visibility server culld"
   "Headers and libraries for programs that ask culld which objects a camera can"
   "see, with a CMake package and a pkg-config file.")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS cullctl)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(culld_control conffiles postinst prerm postrm)
 list(TRANSFORM culld_control PREPEND ${PROJECT_SOURCE_DIR}/packaging/debian/)
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA ${culld_control})
-set(CPACK_DEBIAN_SDK_PACKAGE_DEPENDS libssl-dev)  # the static libraries are linked against it
+set(CPACK_DEBIAN_SDK_PACKAGE_DEPENDS "libculld-client1 (= ${PROJECT_VERSION}-1), libssl-dev")  # the static libraries are linked against it
 include(CPack)

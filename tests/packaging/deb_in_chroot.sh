@@ -5,7 +5,7 @@
 set -euo pipefail
 [ $# = 2 ] || { sed -n 's/.*\(usage: .*\)/\1/p' "$0" | head -1 >&2; exit 2; }
 build=$1 root=$2
-packages=(culld cullctl libculld-client-dev)
+packages=(culld cullctl libculld-client1 libculld-client-dev)
 daemon=''
 clean_up() {
   [ -z "$daemon" ] || kill -KILL "$daemon" 2>/dev/null || true
