@@ -19,7 +19,8 @@ SIMD_TARGETS = ["auto", "sse4", "avx2", "avx3"]
 # What follows an option, where more is known than "a word". A positional's name is its key.
 VALUES = {
     "--cameras": FILES, "--config": FILES, "--ca": FILES, "--log-format": ["text", "json"],
-    "--log-level": ["debug", "info", "warning", "error"], "--output": FILES, "--json": FILES, "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS,
+    "--log-level": ["debug", "info", "warning", "error"], "--output": FILES, "--json": FILES,
+    "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS,
     "--scene": NAMED_FILES, "--guarantee": GUARANTEES, "--backend": ["auto", "cpu"], "--simd": SIMD_TARGETS,
     "SCENE": FILES, "FILE": FILES, "NAME": SCENES,
 }
@@ -219,7 +220,7 @@ def zsh_action(kind, program):
 def zsh_option(option, completion):
     kind = completion.value_of(option)
     value = f":{option.names[-1].lstrip('-')}:{zsh_action(kind, completion.program)}" if option.takes_value else ""
-    once = "*" if kind == NAMED_FILES else "(" + " ".join(option.names) + ")"
+    once = "*" if option.many else "(" + " ".join(option.names) + ")"
     return " ".join(f"'{once}{name}[{quoted(option.help)}]{value}'" for name in option.names)
 
 

@@ -11,6 +11,7 @@ ENTRY = re.compile(r"^  (\S.*?)(?:  +(\S.*))?$")  # "  -o,--output TEXT REQUIRED
 class Option:
     names: tuple  # ("-o", "--output")
     takes_value: bool
+    many: bool = False  # may be repeated
     help: str = ""
 
 
@@ -41,7 +42,7 @@ def parse(text):
         name, _, kind = head.partition(" ")
         if section == "Options":
             takes_value = re.match(r"(TEXT|UINT|INT|FLOAT)\b", kind) is not None
-            command.options.append(Option(tuple(name.split(",")), takes_value, help_text))
+            command.options.append(Option(tuple(name.split(",")), takes_value, "..." in kind, help_text))
         elif section == "Positionals":
             command.positionals.append(name)
             if "..." in kind:
