@@ -105,6 +105,7 @@ class Owner {
       const std::uint32_t together = 1 + random_.below(5);
       for (std::uint32_t i = 0; i < together; ++i) {
         KnownEdit edit = randomEdit(random_, states_.back());
+        if (edit.items.empty()) break;
         states_.push_back(edit.after);
         if (!client.send(wire::Edit{0, std::move(edit.items)}, i + 1)) return false;
       }

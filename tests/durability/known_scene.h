@@ -19,7 +19,7 @@ std::string rowGlb(std::uint32_t objects);
 SnapshotPtr loaded(const std::string& glb);
 
 /// Edits of objects that are not removed, and what they make of the scene. `objects`: only these
-/// may be chosen, and none is added or removed; empty: any.
+/// may be chosen, and none is added or removed; empty: any. No items if only removed ones were hit.
 struct KnownEdit {
   std::vector<protocol::EditItem> items;
   SnapshotPtr after;
