@@ -1,5 +1,6 @@
 #include "client/cli/load_run.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -91,6 +92,10 @@ void LoadRun::answered(Counts& counts, std::uint64_t camera, std::size_t index,
                        Clock::time_point due, const Result<FramePtr>& frame) {
   const Clock::duration took = Clock::now() - due;
   told_.fetch_add(1, std::memory_order_relaxed);
+  if (!frame && ending_) {
+    ++counts.unanswered;  // told so because the connection is closed
+    return;
+  }
   if (!frame) {
     if (counts.failed++ == 0) counts.first_error = frame.error().message;
     return;
@@ -121,7 +126,8 @@ LoadResult LoadRun::run() {
   const auto begin = Clock::now() + std::chrono::milliseconds(50);
   const double count = static_cast<double>(slots_.size());
   // Evenly over the period, as clients that know nothing of each other.
-  for (std::uint64_t tick = 0; tick < ticks; ++tick) {
+  std::uint64_t tick = 0;
+  for (; tick < ticks && anyConnected(); ++tick) {
     for (std::size_t s = 0; s < slots_.size(); ++s) {
       const double at = (static_cast<double>(tick) + static_cast<double>(s) / count) * period_ns;
       slots_[s].due = begin + std::chrono::nanoseconds(std::llround(at));
@@ -134,10 +140,10 @@ LoadResult LoadRun::run() {
   result.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
   result.method = slots_.front().view.method();
   for (const Slot& slot : slots_) result.wrong += slot.view.misfits();
-  result.unanswered = sent_ - told_;
+  ending_ = true;
   slots_.clear();
   connections_.clear();  // from here on the counts stand
-  result.due = ticks * static_cast<std::uint64_t>(count);
+  result.due = tick * static_cast<std::uint64_t>(count);
   result.within = within_;
   result.sent = sent_;
   for (const auto& counts : counts_) {
@@ -145,6 +151,7 @@ LoadResult LoadRun::run() {
     result.superseded += counts->superseded;
     result.late += counts->late;
     result.failed += counts->failed;
+    result.unanswered += counts->unanswered;
     result.bytes += counts->bytes;
     result.deltas += counts->deltas;
     result.cull_ns += counts->cull_ns;
@@ -152,13 +159,18 @@ LoadResult LoadRun::run() {
     result.latency_ns.add(counts->latency_ns);
     if (result.first_error.empty()) result.first_error = counts->first_error;
   }
-  result.failed -= result.unanswered;  // told when the connections were closed
   if (check_) {
     check_->finish();
     result.compared = check_->compared();
     result.wrong += check_->wrong();
   }
   return result;
+}
+
+bool LoadRun::anyConnected() const {
+  return std::any_of(connections_.begin(), connections_.end(), [](const auto& connection) {
+    return connection->state() == ConnectionState::kConnected;
+  });
 }
 
 /// What is still on its way, for as long as an answer may sensibly take.

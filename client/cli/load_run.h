@@ -47,7 +47,7 @@ class LoadRun {
 
   /// What one client counted, on its connection's thread alone.
   struct Counts {
-    std::uint64_t answered = 0, superseded = 0, late = 0, failed = 0;
+    std::uint64_t answered = 0, superseded = 0, late = 0, failed = 0, unanswered = 0;
     std::uint64_t bytes = 0, deltas = 0, cull_ns = 0, queue_ns = 0;
     Histogram latency_ns;
     std::string first_error;
@@ -64,6 +64,7 @@ class LoadRun {
   void ask(Slot& slot, std::uint64_t tick);
   void answered(Counts& counts, std::uint64_t camera, std::size_t index, Clock::time_point due,
                 const Result<FramePtr>& frame);
+  bool anyConnected() const;
   void awaitRest() const;
 
   const LoadArguments* arguments_ = nullptr;
@@ -75,6 +76,7 @@ class LoadRun {
   std::vector<std::unique_ptr<Counts>> counts_;
   std::vector<Slot> slots_;
   std::atomic<std::uint64_t> told_ = 0;  ///< cameras of which the end is known
+  std::atomic<bool> ending_ = false;
   std::uint64_t within_ = 0, sent_ = 0;
   /// Last: their callbacks use what is above.
   std::vector<std::unique_ptr<Connection>> connections_;

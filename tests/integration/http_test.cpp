@@ -50,8 +50,11 @@ TEST_F(Http, IsNotReadyBeforeScenesAreLoaded) {
   const std::string length = " HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n";
   EXPECT_EQ(raw("PUT /v1/scenes/early" + length).status, 503);
   EXPECT_EQ(raw("DELETE /v1/scenes/early" + length).status, 503);
+  // Whoever was here before the daemon was started again comes back later, and does not give up.
+  EXPECT_EQ(LiveClient(socket(), "row").upgradeStatus(), 503);
   ASSERT_TRUE(server->loadScenes().ok());
   EXPECT_EQ(get("/readyz").status, 200);
+  EXPECT_EQ(LiveClient(socket(), "row").upgradeStatus(), 404);
 }
 
 TEST_F(Http, ListsAndDescribesScenes) {
