@@ -18,6 +18,7 @@ int runCheckConfig(const ServeArguments& arguments) {
                                                ": scenes." + name + ": " + file + ": " +
                                                std::strerror(errno));
   }
+  if (auto safe = checkAccess(config.value()); !safe) return fail(kConfig, safe.error().message);
   std::cout << server::describe(config.value());
   return kFine;
 }

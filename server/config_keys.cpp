@@ -283,6 +283,7 @@ std::vector<ConfigKey> connectionLimitKeys() {
 std::vector<ConfigKey> accessKeys() {
   ConfigKey allow_public;
   allow_public.name = "access.allow_public";
+  allow_public.flag = "--allow-public";
   allow_public.kind = KeyKind::kSwitch;
   allow_public.reloaded = kReloaded;
   allow_public.what = "listen on a public address without tokens or TLS";

@@ -8,12 +8,14 @@
 #include <string>
 
 #include "culling/core/clock.h"
+#include "server/access.h"
 #include "server/address_counts.h"
 #include "server/edit_queue.h"
 #include "server/limits.h"
 #include "server/log.h"
 #include "server/metrics.h"
 #include "server/scene_store.h"
+#include "server/tls.h"
 #include "server/worker_pool.h"
 
 namespace culld::server {
@@ -24,6 +26,7 @@ class LivePeer {
   virtual ~LivePeer() = default;
   virtual const std::shared_ptr<Scene>& scene() const = 0;
   virtual std::size_t viewCount() const = 0;
+  virtual bool stillWelcome() const = 0;
   virtual void sceneMoved() = 0;
   /// Says GoAway, finishes what runs, closes with 1001.
   virtual void goAway(const std::string& reason) = 0;
@@ -36,6 +39,8 @@ struct Context {
   SceneStore& store;
   Metrics& metrics;
   Log& log;
+  Access& access;
+  const TlsKeys* tls;   ///< of the TCP port; none: it is plain
   WorkerPool& workers;  ///< culling
   WorkerPool& loaders;  ///< uploads: slow, so they do not keep cameras waiting
   EditQueue& edits;
@@ -55,6 +60,12 @@ struct Context {
   void sceneMoved(const Scene* scene) {
     for (LivePeer* peer : std::set<LivePeer*>(live)) {
       if (live.contains(peer) && peer->scene().get() == scene) peer->sceneMoved();
+    }
+  }
+  /// Ends the sessions of tokens that were withdrawn.
+  void accessChanged() {
+    for (LivePeer* peer : std::set<LivePeer*>(live)) {
+      if (live.contains(peer) && !peer->stillWelcome()) peer->goAway("the token was withdrawn");
     }
   }
   void goAway(const Scene* scene, const std::string& reason) {

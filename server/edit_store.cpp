@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "server/checksum.h"
+#include "server/scene_names.h"
 
 namespace culld::server {
 namespace {
@@ -34,7 +35,7 @@ std::optional<StoreName> storeName(const std::string& folder) {
   const auto serial = fromHex16(std::string_view(folder).substr(second + 1));
   const bool known = !out.key.empty() && (out.key.front() == 'u' || out.key.front() == 'f') &&
                      fromHex16(std::string_view(out.key).substr(1)).has_value();
-  if (!serial || !known || !validSceneName(out.name)) return std::nullopt;
+  if (!serial || !known || !validOwnedName(out.name)) return std::nullopt;
   out.serial = *serial;
   return out;
 }

@@ -5,8 +5,10 @@
 
 #include "protocol/text.h"
 #include "protocol/version.h"
+#include "server/admission.h"
 #include "server/disk.h"
 #include "server/plan_summary.h"
+#include "server/scene_names.h"
 #include "server/status_page.h"
 
 namespace culld::server {
@@ -26,7 +28,7 @@ HttpReply textReply(unsigned status, std::string body) {
   return {status, "text/plain; charset=utf-8", std::move(body) + "\n", {}};
 }
 
-json describeScene(const std::string& name, const SceneEntry& entry) {
+json describeScene(std::string_view name, const SceneEntry& entry) {
   const SceneVersionPtr version = entry.scene->current();
   const SceneSnapshot& scene = *version->snapshot();
   const auto method = version->method("auto");
@@ -61,17 +63,41 @@ json usesJson(const std::vector<MethodUse>& uses) {
   return out;
 }
 
-HttpReply sceneList(Context& context) {
+/// What a tenant sees, by the names that it knows; its own scene hides the operator's of that name.
+std::map<std::string, SceneEntry> visibleScenes(const Grant& grant, Context& context) {
+  std::map<std::string, SceneEntry> visible;
+  for (auto& [stored, entry] : context.store.list()) {
+    const std::string_view owner = ownerOf(stored);
+    const std::string name(publicName(stored));
+    if (owner.empty()) visible.emplace(name, entry);
+    if (owner == grant.tenant->name()) visible.insert_or_assign(name, entry);
+  }
+  return visible;
+}
+
+HttpReply sceneList(const Grant& grant, Context& context) {
   json scenes = json::array();
-  for (const auto& [name, entry] : context.store.list()) {
+  for (const auto& [name, entry] : visibleScenes(grant, context)) {
     scenes.push_back(describeScene(name, entry));
   }
   return {200, "application/json", dump({{"scenes", std::move(scenes)}}), {}};
 }
 
-HttpReply status(Context& context) {
+json totals(const Metrics::Totals& t) {
+  return {{"connections", t.connections},
+          {"sessions", t.sessions},
+          {"views", t.views},
+          {"answers", t.answers},
+          {"answer_bytes", t.answer_bytes},
+          {"superseded", t.superseded},
+          {"errors", t.errors},
+          {"edits", t.edits},
+          {"cull_seconds", t.cull_seconds}};
+}
+
+HttpReply status(const Grant& grant, Context& context) {
   json scenes = json::array();
-  for (const auto& [name, entry] : context.store.list()) {
+  for (const auto& [name, entry] : visibleScenes(grant, context)) {
     std::size_t sessions = 0;
     std::size_t views = 0;
     for (const LivePeer* peer : context.live) {
@@ -86,26 +112,15 @@ HttpReply status(Context& context) {
     scene["uses"] = usesJson(context.metrics.usesOf(entry.scene->name()));
     scenes.push_back(std::move(scene));
   }
-  const Metrics::Totals t = context.metrics.totals();
   const auto up = std::chrono::duration<double>(context.clock.now() - context.started);
-  return {200,
-          "application/json",
-          dump({{"version", context.server_name},
-                {"ready", context.ready.load()},
-                {"draining", context.draining.load()},
-                {"uptime_s", up.count()},
-                {"totals",
-                 {{"connections", t.connections},
-                  {"sessions", t.sessions},
-                  {"views", t.views},
-                  {"answers", t.answers},
-                  {"answer_bytes", t.answer_bytes},
-                  {"superseded", t.superseded},
-                  {"errors", t.errors},
-                  {"edits", t.edits},
-                  {"cull_seconds", t.cull_seconds}}},
-                {"scenes", std::move(scenes)}}),
-          {}};
+  json out = {{"version", context.server_name},
+              {"ready", context.ready.load()},
+              {"draining", context.draining.load()},
+              {"uptime_s", up.count()},
+              {"scenes", std::move(scenes)}};
+  // How busy the others are is not a tenant's business.
+  if (grant.tenant->name().empty()) out["totals"] = totals(context.metrics.totals());
+  return {200, "application/json", dump(out), {}};
 }
 
 /// What each object is called in files: its glTF node and its number among the node's instances.
@@ -129,28 +144,47 @@ HttpReply objectTable(const std::string& name, const SceneEntry& entry) {
           {}};
 }
 
-HttpReply removeScene(const std::string& name, Context& context) {
-  const auto removed = context.store.remove(name);
+HttpReply removeScene(const std::string& name, const Grant& grant, Context& context) {
+  const std::string stored = ownedName(grant.tenant->name(), name);
+  if (context.store.find(stored) == nullptr && findScene(name, grant, context) != nullptr) {
+    context.metrics.authFailed("scope");
+    return errorReply(403, "scene \"" + name + "\" is the operator's, not this tenant's");
+  }
+  const auto removed = context.store.remove(stored);
   if (!removed) return errorReply(removed.error());
-  context.onIoThread([&context, scene = removed.value()] {
+  context.onIoThread([&context, name, scene = removed.value()] {
     context.metrics.scenesHeld(context.store.names(), context.store.damaged().size());
     if (scene == nullptr) return;  // nobody was served what was damaged
-    context.goAway(scene.get(), "scene \"" + scene->name() + "\" was removed");
+    context.goAway(scene.get(), "scene \"" + name + "\" was removed");
   });
   return {204, "application/json", "", {}};
 }
 
-HttpReply aboutScene(std::string_view method, const Route& route, Context& context) {
+HttpReply aboutScene(std::string_view method, const Route& route, const Grant& grant,
+                     Context& context) {
   if (auto refusal = refuseName(route)) return *std::move(refusal);
   if (method == "DELETE" && !context.ready) {
     return errorReply(503, "scene \"" + route.scene + "\": the server is still loading scenes");
   }
-  if (method == "DELETE") return removeScene(route.scene, context);
-  const auto scenes = context.store.list();
+  if (method == "DELETE") return removeScene(route.scene, grant, context);
+  const auto scenes = visibleScenes(grant, context);
   const auto at = scenes.find(route.scene);
   if (at == scenes.end()) return errorReply(404, "scene \"" + route.scene + "\" is not known");
   if (route.kind == Kind::kObjects) return objectTable(at->first, at->second);
-  return {200, "application/json", sceneJson(at->first, at->second), {}};
+  return {200, "application/json", dump(describeScene(at->first, at->second)), {}};
+}
+
+HttpReply makeTicket(const Grant& grant, Context& context) {
+  auto issued = context.access.tickets().issue(grant, context.clock.now());
+  if (!issued) return errorReply(500, "no randomness to make a ticket of");
+  if (const auto* refusal = std::get_if<QuotaRefusal>(&*issued)) {
+    return quotaReply(*refusal, context.metrics);
+  }
+  return {201,
+          "application/json",
+          dump({{"ticket", *std::get_if<std::string>(&*issued)},
+                {"expires_s", context.access.tickets().lifetime().count()}}),
+          {}};
 }
 
 HttpReply readiness(const Context& context) {
@@ -193,6 +227,7 @@ Route matched(std::string_view path) {
   if (path == "/version") return {Kind::kVersion, "", ""};
   if (path == "/metrics") return {Kind::kMetrics, "", ""};
   if (path == "/v1/status") return {Kind::kStatus, "", ""};
+  if (path == "/v1/tickets") return {Kind::kTickets, "", ""};
   if (path == kScenesPath) return {Kind::kScenes, "", ""};
   if (!path.starts_with(kScenesPath) || path[kScenesPath.size()] != '/') return {};
   const std::string_view rest = path.substr(kScenesPath.size() + 1);
@@ -212,10 +247,6 @@ std::string quoted(const Route& route) {
 }
 
 }  // namespace
-
-std::string sceneJson(const std::string& name, const SceneEntry& entry) {
-  return dump(describeScene(name, entry));
-}
 
 HttpReply errorReply(unsigned status, const std::string& message) {
   return {status, "application/json", dump({{"error", protocol::oneLine(message)}}), {}, message};
@@ -253,6 +284,7 @@ std::optional<HttpReply> refuseName(const Route& route) {
 }
 
 std::string_view allowedMethods(Kind kind) noexcept {
+  if (kind == Kind::kTickets) return "POST";
   return kind == Kind::kScene ? "GET, HEAD, PUT, DELETE" : "GET, HEAD";
 }
 
@@ -260,9 +292,16 @@ bool heavy(std::string_view method, const Route& route) noexcept {
   return route.kind == Kind::kObjects || (route.kind == Kind::kScene && method == "DELETE");
 }
 
-HttpReply handleRequest(std::string_view method, const Route& route, Context& context) {
+std::shared_ptr<Scene> findScene(const std::string& name, const Grant& grant, Context& context) {
+  auto own = context.store.find(ownedName(grant.tenant->name(), name));
+  return own != nullptr ? own : context.store.find(name);
+}
+
+HttpReply handleRequest(std::string_view method, const Route& route, const Grant& grant,
+                        Context& context) {
   if (route.kind == Kind::kUnknown) return errorReply(404, quoted(route) + " is not known");
-  const bool reads = method == "GET" || method == "HEAD";
+  if (route.kind == Kind::kTickets && method == "POST") return makeTicket(grant, context);
+  const bool reads = route.kind != Kind::kTickets && (method == "GET" || method == "HEAD");
   if (!reads && !(route.kind == Kind::kScene && method == "DELETE")) {
     HttpReply reply =
         errorReply(405, quoted(route) + ": method " + std::string(method) + ", allowed are " +
@@ -282,13 +321,14 @@ HttpReply handleRequest(std::string_view method, const Route& route, Context& co
     case Kind::kMetrics:
       return {200, "text/plain; version=0.0.4; charset=utf-8", context.metrics.text(), {}};
     case Kind::kStatus:
-      return status(context);
+      return status(grant, context);
     case Kind::kScenes:
-      return sceneList(context);
+      return sceneList(grant, context);
     case Kind::kScene:
     case Kind::kObjects:
-      return aboutScene(method, route, context);
+      return aboutScene(method, route, grant, context);
     case Kind::kLive:
+    case Kind::kTickets:
     case Kind::kUnknown:
       break;
   }
@@ -299,17 +339,34 @@ HttpReply handleRequest(std::string_view method, const Route& route, Context& co
   return reply;
 }
 
-HttpReply finishPut(const std::string& scene, Upload upload, Context& context) {
-  const auto fresh = context.store.finishUpload(scene, std::move(upload));
+std::optional<HttpReply> refuseShare(const std::string& scene, const Grant& grant,
+                                     Context& context) {
+  const std::string& tenant = grant.tenant->name();
+  const auto names = context.store.names();
+  if (names.contains(ownedName(tenant, scene))) return std::nullopt;
+  const auto held = std::count_if(names.begin(), names.end(), [&tenant](const std::string& name) {
+    return ownerOf(name) == tenant;
+  });
+  const auto refusal = grant.tenant->refuseScene(static_cast<std::size_t>(held));
+  if (!refusal) return std::nullopt;
+  return quotaReply(*refusal, context.metrics);
+}
+
+HttpReply finishPut(const std::string& scene, Upload upload, const Grant& grant, Context& context) {
+  const std::lock_guard counted(grant.tenant->sceneChanges());
+  if (auto refusal = refuseShare(scene, grant, context)) return *std::move(refusal);
+  const std::string stored = ownedName(grant.tenant->name(), scene);
+  const auto fresh = context.store.finishUpload(stored, std::move(upload));
   if (!fresh) return errorReply(fresh.error());
   const auto scenes = context.store.list();
-  const auto at = scenes.find(scene);
+  const auto at = scenes.find(stored);
   if (at == scenes.end()) return errorReply(404, "scene \"" + scene + "\" was removed meanwhile");
   context.onIoThread([&context, held = at->second.scene] {
     context.metrics.scenesHeld(context.store.names(), context.store.damaged().size());
     context.sceneMoved(held.get());
   });
-  return {fresh.value() ? 201U : 200U, "application/json", sceneJson(scene, at->second), {}};
+  return {
+      fresh.value() ? 201U : 200U, "application/json", dump(describeScene(scene, at->second)), {}};
 }
 
 }  // namespace culld::server

@@ -36,7 +36,8 @@ struct Route {
     kScenes,
     kScene,
     kObjects,
-    kLive
+    kLive,
+    kTickets
   };
   Kind kind = Kind::kUnknown;
   std::string scene;
@@ -52,14 +53,18 @@ std::string_view allowedMethods(Route::Kind kind) noexcept;
 
 /// Everything but PUT of a scene and the live path, which need their connection.
 /// THREADS: the I/O thread, except heavy().
-HttpReply handleRequest(std::string_view method, const Route& route, Context& context);
+/// REQUIRES: `grant` suffices for the request (server/admission.h).
+HttpReply handleRequest(std::string_view method, const Route& route, const Grant& grant,
+                        Context& context);
 /// Worth a worker's thread: large replies, or the disk.
 bool heavy(std::string_view method, const Route& route) noexcept;
 
+/// The scene that a tenant means by a name: its own, else the operator's, which all may see.
+std::shared_ptr<Scene> findScene(const std::string& name, const Grant& grant, Context& context);
+/// Why an upload under this name would come to more than the tenant's share.
+std::optional<HttpReply> refuseShare(const std::string& scene, const Grant& grant,
+                                     Context& context);
 /// The reply to an upload that was received whole.
-HttpReply finishPut(const std::string& scene, Upload upload, Context& context);
-
-/// JSON object about one scene, as GET /v1/scenes/NAME gives it.
-std::string sceneJson(const std::string& name, const SceneEntry& entry);
+HttpReply finishPut(const std::string& scene, Upload upload, const Grant& grant, Context& context);
 
 }  // namespace culld::server

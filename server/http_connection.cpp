@@ -11,6 +11,8 @@
 #include <utility>
 
 #include "protocol/version.h"
+#include "server/admission.h"
+#include "server/client_stream.h"
 #include "server/connections.h"
 #include "server/http_api.h"
 
@@ -20,7 +22,6 @@ namespace {
 namespace beast = boost::beast;
 namespace http = beast::http;
 namespace asio = boost::asio;
-using Stream = beast::basic_stream<asio::generic::stream_protocol>;
 
 constexpr std::size_t kPartBytes = std::size_t{256} << 10;
 
@@ -28,8 +29,12 @@ std::string_view view(beast::string_view s) { return {s.data(), s.size()}; }
 
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  HttpConnection(StreamSocket socket, AddressTicket ticket, Context& context)
-      : context_(context), ticket_(std::move(ticket)), stream_(std::move(socket)) {
+  HttpConnection(StreamSocket socket, Caller caller, Context& context)
+      : context_(context),
+        caller_(std::move(caller)),
+        stream_(std::move(socket), caller_.peer.unix_socket || context.tls == nullptr
+                                       ? nullptr
+                                       : context.tls->current()) {
     context_.metrics.connectionOpened();
   }
   ~HttpConnection() {
@@ -37,13 +42,26 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     context_.metrics.connectionClosed();
   }
 
+  void start() {
+    socket().expires_after(context_.limits.header_timeout);
+    stream_.handshake([self = shared_from_this()](beast::error_code failure) {
+      if (!failure) return self->readHeader();
+      self->context_.metrics.handshakeFailed();
+      self->context_.log.info("TLS handshake failed", {{"peer", peerName(self->socket().socket())},
+                                                       {"why", failure.message()}});
+      self->socket().close();
+    });
+  }
+
   void readHeader() {
     busy(false);
     route_ = {};
+    grant_ = {};
+    origin_.reset();
     header_.emplace();
     header_->header_limit(context_.limits.max_header_bytes);
     header_->body_limit(context_.limits.max_upload_bytes);
-    stream_.expires_after(context_.limits.header_timeout);
+    socket().expires_after(context_.limits.header_timeout);
     http::async_read_header(stream_, buffer_, *header_,
                             [self = shared_from_this()](beast::error_code failure, std::size_t) {
                               self->headerRead(failure);
@@ -65,19 +83,46 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
           400,
           "Host: " + std::to_string(request.count(http::field::host)) + " of them instead of one"));
     }
-    if (route_.kind == Route::Kind::kScene && method_ == "PUT") return beginPut();
+    const bool uploads = route_.kind == Route::Kind::kScene && method_ == "PUT";
+    if (uploads) {
+      if (auto refusal = admission()) return refuseBody(*std::move(refusal));
+      return beginPut();
+    }
     // No other request has a use for a body: what follows the header would be taken for a request.
     if (request.chunked() || request.has_content_length()) keep_alive_ = false;
+    if (auto refusal = admission()) return reply(*std::move(refusal));
     if (route_.kind == Route::Kind::kLive && beast::websocket::is_upgrade(request)) {
       return upgrade();
     }
-    if (!heavy(method_, route_)) return reply(handleRequest(method_, route_, context_));
-    context_.workers.post([self = shared_from_this()]() mutable {
+    if (!heavy(method_, route_)) return reply(handleRequest(method_, route_, grant_, context_));
+    context_.workers.post(grant_.tenant->name(), [self = shared_from_this()]() mutable {
       Context& context = self->context_;
-      auto made = std::make_shared<HttpReply>(
-          self->guarded([&] { return handleRequest(self->method_, self->route_, context); }));
+      auto made = std::make_shared<HttpReply>(self->guarded(
+          [&] { return handleRequest(self->method_, self->route_, self->grant_, context); }));
       context.onIoThread([self = std::move(self), made] { self->reply(std::move(*made)); });
     });
+  }
+
+  /// Learns who asks. The refusal, or the answer to a browser's question whether it may ask.
+  std::optional<HttpReply> admission() {
+    const auto& request = header_->get();
+    const auto has = [&request](http::field field) { return request.count(field) > 0; };
+    RequestFacts facts{method_,
+                       route_,
+                       caller_.peer,
+                       stream_.tls(),
+                       view(request[http::field::host]),
+                       {},
+                       {},
+                       view(request[http::field::sec_websocket_protocol])};
+    if (has(http::field::origin))
+      facts.origin = origin_.emplace(view(request[http::field::origin]));
+    if (has(http::field::authorization))
+      facts.authorization = view(request[http::field::authorization]);
+    auto admitted = admit(facts, {context_.access, context_.metrics, context_.clock.now()});
+    if (auto* refusal = std::get_if<HttpReply>(&admitted)) return std::move(*refusal);
+    grant_ = std::move(*std::get_if<Grant>(&admitted));
+    return std::nullopt;
   }
 
   /// Out of memory, say: this request fails, the daemon goes on.
@@ -147,7 +192,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     if (auto refusal = refuseName(route_)) return reply(*std::move(refusal));
     if (context_.draining) return reply(errorReply(503, inScene("the server is draining")));
-    auto scene = context_.store.find(route_.scene);
+    auto scene = findScene(route_.scene, grant_, context_);
     if (scene == nullptr && !context_.ready) {
       return reply(errorReply(503, inScene("the server is still loading scenes")));
     }
@@ -156,8 +201,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     std::ostringstream bytes;
     bytes << handshakeOf(request) << beast::buffers_to_string(buffer_.data());
-    stream_.expires_never();
-    serveLive(stream_.release_socket(), bytes.str(), std::move(scene), std::move(ticket_),
+    socket().expires_never();
+    serveLive(std::move(stream_), {bytes.str(), std::move(scene), std::move(caller_), grant_},
               context_);
   }
 
@@ -190,6 +235,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!context_.ready) {
       return refuseBody(errorReply(503, inScene("the server is still loading scenes")));
     }
+    if (auto refusal = refuseShare(route_.scene, grant_, context_)) {
+      return refuseBody(*std::move(refusal));
+    }
     auto upload = context_.store.beginUpload();
     if (!upload) return refuseBody(errorReply(inScene(upload.error())));
     upload_.emplace(std::move(upload).value());
@@ -215,7 +263,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     body_->get().body().data = part_->data();
     body_->get().body().size = part_->size();
     if (body_->is_done()) return finishUpload();
-    stream_.expires_after(context_.limits.body_timeout);
+    socket().expires_after(context_.limits.body_timeout);
     http::async_read_some(stream_, buffer_, *body_,
                           [self = shared_from_this()](beast::error_code failure, std::size_t) {
                             self->partRead(failure);
@@ -248,12 +296,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void finishUpload() {
     part_.reset();
     body_.reset();
-    stream_.expires_never();
+    socket().expires_never();
     uploaded_bytes_ = upload_->size();
-    context_.loaders.post([self = shared_from_this()]() mutable {
+    context_.loaders.post(grant_.tenant->name(), [self = shared_from_this()]() mutable {
       Context& context = self->context_;
-      auto made = std::make_shared<HttpReply>(self->guarded(
-          [&] { return finishPut(self->route_.scene, std::move(*self->upload_), context); }));
+      auto made = std::make_shared<HttpReply>(self->guarded([&] {
+        return finishPut(self->route_.scene, std::move(*self->upload_), self->grant_, context);
+      }));
       context.onIoThread([self = std::move(self), made] {
         self->upload_.reset();
         self->reply(std::move(*made));
@@ -265,7 +314,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   /// Paths are without queries, and headers are not told: what lets somebody in may stand there.
   void tell(const HttpReply& made) {
-    const auto peer = peerName(stream_.socket());
+    const auto peer = peerName(socket().socket());
     if (made.status >= 400) {
       const std::string path = route_.path.substr(0, 200);
       if (made.status == 500) {
@@ -295,6 +344,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void reply(HttpReply made) {
     tell(made);
     context_.metrics.httpRequest(method_, made.status);
+    if (origin_ && context_.access.listsOrigin(*origin_)) letOriginRead(*origin_, made);
+    if (made.status < 400 && grant_.tenant != nullptr)
+      grant_.tenant->sent(made.body.size(), context_.clock.now());
     response_.emplace(static_cast<http::status>(made.status), version_);
     response_->set(http::field::server, context_.server_name);
     response_->set(http::field::cache_control, "no-store");
@@ -306,7 +358,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     const std::size_t length = made.body.size();
     if (method_ != "HEAD") response_->body() = std::move(made.body);
     if (made.status != 204) response_->content_length(length);
-    stream_.expires_after(context_.limits.write_timeout);
+    socket().expires_after(context_.limits.write_timeout);
     if (method_ != "HEAD") {
       http::async_write(stream_, *response_, replyWritten());
     } else {
@@ -328,18 +380,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   /// socket closed with unread bytes would tear the reply away from it.
   void close() {
     busy(false);
-    beast::error_code ignored;  // the peer may be gone already
-    stream_.socket().shutdown(asio::socket_base::shutdown_send, ignored);
-    stream_.expires_after(std::chrono::seconds(2));
-    linger();
+    socket().expires_after(std::chrono::seconds(2));
+    stream_.endWriting([self = shared_from_this()] { self->linger(); });
   }
 
   void linger() {
     buffer_.consume(buffer_.size());
-    stream_.async_read_some(buffer_.prepare(65536),
-                            [self = shared_from_this()](beast::error_code failure, std::size_t) {
-                              if (!failure) self->linger();
-                            });
+    socket().async_read_some(buffer_.prepare(65536),
+                             [self = shared_from_this()](beast::error_code failure, std::size_t) {
+                               if (!failure) self->linger();
+                             });
   }
 
   void busy(bool now) {
@@ -348,9 +398,11 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     context_.busy_requests += now ? 1U : std::size_t(-1);
   }
 
+  ClientStream::PlainStream& socket() { return stream_.next_layer(); }
+
   Context& context_;
-  AddressTicket ticket_;
-  Stream stream_;
+  Caller caller_;
+  ClientStream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> header_;
   std::optional<http::request_parser<http::buffer_body>> body_;
@@ -362,6 +414,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::uint64_t uploaded_bytes_ = 0;
   std::string method_;
   Route route_;
+  Grant grant_;  ///< of the request under way
+  std::optional<std::string> origin_;
   unsigned version_ = 11;
   bool keep_alive_ = true;
   bool busy_ = false;
@@ -369,8 +423,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
 }  // namespace
 
-void serveHttp(StreamSocket socket, AddressTicket ticket, Context& context) {
-  std::make_shared<HttpConnection>(std::move(socket), std::move(ticket), context)->readHeader();
+void serveHttp(StreamSocket socket, Caller caller, Context& context) {
+  std::make_shared<HttpConnection>(std::move(socket), std::move(caller), context)->start();
 }
 
 }  // namespace culld::server

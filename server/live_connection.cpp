@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "protocol/version.h"
+#include "server/client_stream.h"
 #include "server/connections.h"
 #include "server/message_rate.h"
+#include "server/scene_names.h"
 #include "server/session.h"
 #include "server/session_log.h"
 
@@ -20,7 +22,6 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 namespace asio = boost::asio;
-using Stream = beast::basic_stream<asio::generic::stream_protocol>;
 
 /// A cull that takes less than handing it to another thread and back runs where it came in: the two
 /// wake-ups of a halted core measured 20 to 25 us each.
@@ -28,20 +29,20 @@ constexpr std::chrono::microseconds kInlineCull{100};
 
 class LiveConnection final : public LivePeer, public std::enable_shared_from_this<LiveConnection> {
  public:
-  LiveConnection(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
-                 AddressTicket ticket, Context& context)
+  LiveConnection(ClientStream stream, LiveRequest request, Context& context)
       : context_(context),
-        log_(std::make_shared<SessionLog>(peerName(socket), scene->name(), socket.get_executor(),
-                                          context)),
-        ticket_(std::move(ticket)),
-        socket_(Stream(std::move(socket))),
+        log_(std::make_shared<SessionLog>(peerName(stream.next_layer().socket()),
+                                          request.scene->name(), stream.get_executor(), context)),
+        caller_(std::move(request.caller)),
+        grant_(std::move(request.grant)),
+        socket_(std::move(stream)),
         session_timer_(socket_.get_executor()),
         write_timer_(socket_.get_executor()),
         rate_timer_(socket_.get_executor()),
         rate_(context.limits.session.max_messages_per_s),
-        request_(std::move(request)),
-        session_(std::move(scene), context.limits.session, context.server_name,
-                 context.clock.now()) {
+        request_(std::move(request.bytes)),
+        session_(request.scene, context.limits.session, context.server_name, context.clock.now(),
+                 rightsIn(*request.scene)) {
     context_.live.insert(this);
     context_.metrics.sessionOpened();
     context_.metrics.connectionOpened();
@@ -81,6 +82,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   // LivePeer
   const std::shared_ptr<Scene>& scene() const override { return session_.scene(); }
   std::size_t viewCount() const override { return session_.viewCount(); }
+  bool stillWelcome() const override { return context_.access.stillGood(grant_, caller_.peer); }
   void sceneMoved() override { apply(session_.sceneMoved()); }
   void goAway(const std::string& reason) override {
     if (!accepted_) return end();
@@ -89,6 +91,16 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
   }
 
  private:
+  SessionRights rightsIn(const Scene& scene) const {
+    SessionRights rights{grant_.tenant, ""};
+    if (grant_.scope < Scope::kEdit) {
+      rights.edit_refusal = "the token has not the scope edit";
+    } else if (ownerOf(scene.name()) != grant_.tenant->name()) {
+      rights.edit_refusal = "the scene is the operator's, not this tenant's";
+    }
+    return rights;
+  }
+
   /// The session says when time matters to it: at first for Hello, then for deadlines.
   void awaitTick() {
     const auto next = session_.nextTick();
@@ -171,6 +183,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
         context_.metrics.refused(send->error);
         log_->refused(send->error);
       }
+      countSent(*send);
       outbox_bytes_ += send->bytes.size();
       context_.queued_bytes += send->bytes.size();
       outbox_.push_back(std::move(*send));
@@ -188,12 +201,14 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     const bool quick = job.expected.count() > 0 && job.expected < kInlineCull;
     if (quick) return culled(runCull(std::move(job), context_.clock));
     // The worker hands its share of this connection on, so that the connection ends on its thread.
-    context_.workers.post([self = shared_from_this(), job = std::move(job)]() mutable {
-      Context& context = self->context_;
-      auto outcome = std::make_shared<CullOutcome>(runCull(std::move(job), context.clock));
-      context.onIoThread(
-          [self = std::move(self), outcome] { self->apply(self->culled(std::move(*outcome))); });
-    });
+    context_.workers.post(
+        grant_.tenant->name(), [self = shared_from_this(), job = std::move(job)]() mutable {
+          Context& context = self->context_;
+          auto outcome = std::make_shared<CullOutcome>(runCull(std::move(job), context.clock));
+          context.onIoThread([self = std::move(self), outcome] {
+            self->apply(self->culled(std::move(*outcome)));
+          });
+        });
     return {};
   }
 
@@ -210,6 +225,7 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
       log_->answered(report.bytes);
       context_.metrics.superseded(superseded);
     }
+    grant_.tenant->culled(report.cull, context_.clock.now());
     return actions;
   }
 
@@ -229,6 +245,14 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     context_.metrics.edited();
     log_->edited();
     context_.sceneMoved(session_.scene().get());
+  }
+
+  void countSent(const Send& send) {
+    if (send.quota) context_.metrics.quotaRejected(nameOf(*send.quota));
+    // What is refused costs nothing: a client that asks on and on would never come out of debt.
+    if (send.error == protocol::WireCode::kNone) {
+      grant_.tenant->sent(send.bytes.size(), context_.clock.now());
+    }
   }
 
   void countViews() {
@@ -308,8 +332,9 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 
   Context& context_;
   const std::shared_ptr<SessionLog> log_;
-  AddressTicket ticket_;
-  websocket::stream<Stream> socket_;
+  const Caller caller_;
+  const Grant grant_;
+  websocket::stream<ClientStream> socket_;
   asio::steady_timer session_timer_;
   asio::steady_timer write_timer_;
   asio::steady_timer rate_timer_;
@@ -333,11 +358,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
 
 }  // namespace
 
-void serveLive(StreamSocket socket, std::string request, std::shared_ptr<Scene> scene,
-               AddressTicket ticket, Context& context) {
-  std::make_shared<LiveConnection>(std::move(socket), std::move(request), std::move(scene),
-                                   std::move(ticket), context)
-      ->start();
+void serveLive(ClientStream stream, LiveRequest request, Context& context) {
+  std::make_shared<LiveConnection>(std::move(stream), std::move(request), context)->start();
 }
 
 }  // namespace culld::server

@@ -72,6 +72,23 @@ struct Metrics::Impl {
                                             .Register(registry);
   prometheus::Family<Counter>& http =
       BuildCounter().Name("culld_http_requests_total").Help("HTTP requests").Register(registry);
+  prometheus::Family<Counter>& auth_failures =
+      BuildCounter()
+          .Name("culld_auth_failures_total")
+          .Help("Requests and connections refused for who asked, by reason")
+          .Register(registry);
+  prometheus::Family<Counter>& quota =
+      BuildCounter()
+          .Name("culld_quota_rejected_total")
+          .Help("Requests refused because a tenant had used up its share, by reason")
+          .Register(registry);
+  Counter& handshakes = counter(registry, "culld_tls_handshake_failures_total",
+                                "TLS connections that came to no agreement");
+  prometheus::Family<Gauge>& certificate =
+      BuildGauge()
+          .Name("culld_tls_certificate_expiry_timestamp_seconds")
+          .Help("When the certificate ends, as seconds since 1970")
+          .Register(registry);
   // Sums over the series above, for totals().
   std::atomic<std::uint64_t> answers_made{0};
   std::atomic<std::uint64_t> errors_sent{0};
@@ -113,12 +130,24 @@ void Metrics::refused(protocol::WireCode code) {
   ++impl_->errors_sent;
 }
 
+void Metrics::authFailed(const char* reason) {
+  impl_->auth_failures.Add({{"reason", reason}}).Increment();
+}
+void Metrics::quotaRejected(const char* reason) {
+  impl_->quota.Add({{"reason", reason}}).Increment();
+}
+void Metrics::handshakeFailed() { impl_->handshakes.Increment(); }
+void Metrics::certificateExpires(std::int64_t unix_s) {
+  impl_->certificate.Add({}).Set(static_cast<double>(unix_s));
+}
+
 void Metrics::edited() { impl_->edits.Increment(); }
 void Metrics::received(std::size_t bytes) { impl_->received.Increment(static_cast<double>(bytes)); }
 
 void Metrics::httpRequest(std::string_view method, unsigned status) {
   // A method is a client's word: only the known ones may become labels.
-  const bool known = method == "GET" || method == "PUT" || method == "DELETE" || method == "HEAD";
+  const bool known = method == "GET" || method == "PUT" || method == "DELETE" || method == "HEAD" ||
+                     method == "POST";
   impl_->http
       .Add({{"method", known ? std::string(method) : "other"}, {"code", std::to_string(status)}})
       .Increment();

@@ -50,6 +50,10 @@ class Metrics {
   void superseded(std::size_t cameras);
   void refused(protocol::WireCode code);  ///< an error message was sent
   void edited();
+  void authFailed(const char* reason);     ///< a client was turned away
+  void quotaRejected(const char* reason);  ///< a tenant had used up its share
+  void handshakeFailed();                  ///< of TLS
+  void certificateExpires(std::int64_t unix_s);
   void received(std::size_t bytes);
   void httpRequest(std::string_view method, unsigned status);
   /// The scenes from now on; what was counted about others is dropped.

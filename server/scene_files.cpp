@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/scene_names.h"
 #include "server/scene_seal.h"
 
 namespace culld::server {
@@ -31,7 +32,7 @@ std::optional<StoredName> storedName(std::string_view file) {
   const auto tilde = file.find('~');
   if (tilde == std::string_view::npos) return std::nullopt;
   const auto serial = fromHex16(file.substr(tilde + 1));
-  if (!serial || !validSceneName(file.substr(0, tilde))) return std::nullopt;
+  if (!serial || !validOwnedName(file.substr(0, tilde))) return std::nullopt;
   return StoredName{std::string(file.substr(0, tilde)), *serial};
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "server/access.h"
 #include "server/config_keys.h"
 
 namespace culld {
@@ -12,6 +13,10 @@ void addServeFlags(CLI::App& command, ServeArguments& arguments) {
   const server::Config defaults;
   for (const server::ConfigKey& key : server::configKeys()) {
     if (key.flag.empty()) continue;
+    if (key.kind == server::KeyKind::kSwitch) {
+      command.add_flag(key.flag + "{true}", arguments.flags[key.name], key.what);
+      continue;
+    }
     CLI::Option* option = command.add_option(key.flag, arguments.flags[key.name], key.what);
     const auto value = key.get(defaults);
     const auto* text = std::get_if<std::string>(&value);
@@ -45,6 +50,15 @@ Result<server::Config> readConfig(const ServeArguments& arguments, ExitCode& cod
   layers.push_back(std::move(in_environment).value());
   layers.push_back(std::move(flags).value());
   return server::merged(layers);
+}
+
+Result<void> checkAccess(const server::Config& config) {
+  const auto address = server::parseListen(config.listen);
+  if (!address) return address.error();
+  if (auto safe = server::checkExposure(address.value().host, config.access, config.tls); !safe) {
+    return safe;
+  }
+  return server::checkAccess(config.access, config.tls);
 }
 
 ExitCode mistakeIn(const server::Config& config) {

@@ -135,6 +135,10 @@ class Daemon {
     ExitCode unused = kFine;
     auto config = readConfig(arguments_, unused);
     if (config) {
+      auto access = server_.reloadAccess(config.value().access, config.value().tls);
+      if (!access) config = access.error();
+    }
+    if (config) {
       take(std::move(config).value());
     } else {
       log_.error("configuration refused, the old one stays", {{"error", config.error().message}});
@@ -212,6 +216,7 @@ int runServe(const ServeArguments& arguments) {
   if (auto forced = forceSimdTarget(config.value().simd); !forced) {
     return fail(mistakeIn(config.value()), forced.error().message);
   }
+  if (auto safe = checkAccess(config.value()); !safe) return fail(kConfig, safe.error().message);
   const auto log = server::Log::toStderr();
   log->set(config.value().log);
   auto options = optionsOf(config.value());

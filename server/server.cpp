@@ -1,5 +1,6 @@
 #include "server/server.h"
 
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -90,9 +91,17 @@ class Acceptor {
   }
 
   void serve(typename Protocol::socket socket) {
+    const Peer peer = peerOf(socket);
+    if (!context_.access.mayConnect(peer)) {
+      context_.metrics.authFailed("peer");
+      context_.log.info("connection refused",
+                        {{"why", "not among unix_users"}, {"user", peer.user}});
+      return refuse(std::move(socket), "403 Forbidden",
+                    "user " + std::to_string(peer.user) + " may not use this socket");
+    }
     if (context_.metrics.totals().connections >=
         static_cast<double>(context_.limits.max_connections)) {
-      return refuse(std::move(socket), context_.limits.max_connections, "");
+      return refuseMore(std::move(socket), context_.limits.max_connections, "");
     }
     AddressTicket ticket;
     if constexpr (std::is_same_v<Protocol, tcp>) {
@@ -100,9 +109,20 @@ class Acceptor {
       socket.set_option(tcp::no_delay(true), ignored);
       const std::size_t limit = context_.limits.max_connections_per_address;
       ticket = context_.addresses.enter(source(socket.remote_endpoint(ignored).address()), limit);
-      if (!ticket) return refuse(std::move(socket), limit, " from this address");
+      if (!ticket) return refuseMore(std::move(socket), limit, " from this address");
     }
-    serveHttp(StreamSocket(std::move(socket)), std::move(ticket), context_);
+    serveHttp(StreamSocket(std::move(socket)), {peer, std::move(ticket)}, context_);
+  }
+
+  static Peer peerOf(typename Protocol::socket& socket) {
+    if constexpr (std::is_same_v<Protocol, tcp>) return {};
+    ucred who{};
+    socklen_t size = sizeof who;
+    // A peer that the kernel cannot name is nobody.
+    if (::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {
+      who.uid = static_cast<uid_t>(-1);
+    }
+    return {true, who.uid};
   }
 
   /// An IPv6 host commonly has all 2^64 addresses of its network.
@@ -115,16 +135,23 @@ class Acceptor {
     return asio::ip::make_address_v6(bytes).to_string();
   }
 
-  void refuse(typename Protocol::socket socket, std::size_t limit, const std::string& whence) {
+  void refuseMore(typename Protocol::socket socket, std::size_t limit, const std::string& whence) {
     context_.metrics.connectionRefused();
     context_.log.warning("connection refused",
                          {{"why", "too many connections" + whence}, {"limit", limit}});
-    const std::string body = "{\"error\":\"too many connections" + whence + ": " +
-                             std::to_string(limit) + " are open, and no more are taken\"}\n";
-    const std::string reply =
-        "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
-        "Content-Type: application/json\r\nContent-Length: " +
-        std::to_string(body.size()) + "\r\n\r\n" + body;
+    refuse(std::move(socket), "503 Service Unavailable\r\nRetry-After: 1",
+           "too many connections" + whence + ": " + std::to_string(limit) +
+               " are open, and no more are taken");
+  }
+
+  void refuse(typename Protocol::socket socket, const std::string& status, const std::string& why) {
+    // Who speaks TLS could make nothing of it.
+    if (std::is_same_v<Protocol, tcp> && context_.tls != nullptr) return;
+    const std::string body = "{\"error\":\"" + why + "\"}\n";
+    const std::string reply = "HTTP/1.1 " + status +
+                              "\r\nConnection: close\r\n"
+                              "Content-Type: application/json\r\nContent-Length: " +
+                              std::to_string(body.size()) + "\r\n\r\n" + body;
     error_code ignored;  // a courtesy: who is not reading gets a closed socket
     socket.non_blocking(true, ignored);
     socket.write_some(asio::buffer(reply), ignored);
@@ -149,8 +176,11 @@ void removeStaleSocket(const std::string& path, asio::io_context& io) {
 
 struct Server::Impl {
   Impl(ServerOptions given, std::unique_ptr<SceneFiles> files,
-       std::unique_ptr<EditFolder> edit_folder)
+       std::unique_ptr<EditFolder> edit_folder, std::unique_ptr<Access> let_in,
+       std::unique_ptr<TlsKeys> keys)
       : options(std::move(given)),
+        access(std::move(let_in)),
+        tls(std::move(keys)),
         store(std::move(files), std::move(edit_folder), options.methods, options.limits.max_scenes,
               options.load),
         context{options.limits,
@@ -159,6 +189,8 @@ struct Server::Impl {
                 store,
                 metrics,
                 options.log ? *options.log : silent,
+                *access,
+                tls.get(),
                 workers,
                 loaders,
                 edits,
@@ -166,9 +198,11 @@ struct Server::Impl {
                 steadyClock().now(),
                 {},
                 0},
-        workers(options.threads),
-        loaders(1),
-        edits(kEditThreads) {}
+        workers(options.threads, steadyClock()),
+        loaders(1, steadyClock()),
+        edits(kEditThreads) {
+    if (tls != nullptr) metrics.certificateExpires(tls->expires());
+  }
 
   ~Impl() {
     io.stop();
@@ -215,6 +249,15 @@ struct Server::Impl {
     return listening;
   }
 
+  /// Of what is bound, whoever bound it.
+  Result<void> exposure(const AccessOptions& rules, const TlsOptions& keys) const {
+    for (const auto& acceptor : tcp_acceptors) {
+      const std::string host = acceptor.localEndpoint().address().to_string();
+      if (auto safe = checkExposure(host, rules, keys); !safe) return safe;
+    }
+    return Done{};
+  }
+
   /// One that was handed over is its maker's.
   void removeSocketFile() {
     if (std::exchange(owns_socket_file, false)) ::unlink(options.unix_path.c_str());
@@ -253,6 +296,8 @@ struct Server::Impl {
 
   // Order matters: connections live in the queues of `io` and of the pools, and use the rest.
   ServerOptions options;
+  std::unique_ptr<Access> access;
+  std::unique_ptr<TlsKeys> tls;
   Metrics metrics;
   Log silent;
   SceneStore store;
@@ -283,9 +328,20 @@ Result<std::unique_ptr<Server>> Server::start(ServerOptions options) {
     if (!kept) return kept.error();
     edits = std::move(kept).value();
   }
-  auto impl =
-      std::make_unique<Impl>(std::move(options), std::move(files).value(), std::move(edits));
+  auto access = Access::open(options.access);
+  if (!access) return access.error();
+  std::unique_ptr<TlsKeys> tls;
+  if (options.tls.enabled()) {
+    auto keys = TlsKeys::open(options.tls);
+    if (!keys) return keys.error();
+    tls = std::move(keys).value();
+  }
+  auto impl = std::make_unique<Impl>(std::move(options), std::move(files).value(), std::move(edits),
+                                     std::move(access).value(), std::move(tls));
   if (auto listening = impl->listen(); !listening) return listening.error();
+  if (auto safe = impl->exposure(impl->options.access, impl->options.tls); !safe) {
+    return safe.error();
+  }
   impl->accept();
   impl->io_thread = std::thread([io = &impl->io] { io->run(); });
   return std::unique_ptr<Server>(new Server(std::move(impl)));
@@ -317,6 +373,23 @@ Result<std::vector<std::string>> Server::loadScenes() {
   impl_->metrics.scenesHeld(store.names(), store.damaged().size());
   impl_->context.ready = true;
   return lines;
+}
+
+Result<void> Server::reloadAccess(const AccessOptions& access, const TlsOptions& tls) {
+  Impl& impl = *impl_;
+  if (tls.enabled() != (impl.tls != nullptr)) {
+    return Error{ErrorCode::kUnsupported, "tls: can be switched on and off by a restart only"};
+  }
+  // All is read before anything is changed.
+  if (auto r = impl.exposure(access, tls); !r) return r;
+  if (auto r = checkAccess(access, tls); !r) return r;
+  if (auto r = impl.access->reload(access); !r) return r;
+  if (impl.tls != nullptr) {
+    if (auto r = impl.tls->reload(tls); !r) return r;
+    impl.metrics.certificateExpires(impl.tls->expires());
+  }
+  asio::post(impl.io, [&context = impl.context] { context.accessChanged(); });
+  return Done{};
 }
 
 void Server::drain() {

@@ -38,8 +38,8 @@ struct ServerOptions {
 class Server {
  public:
   /// Binds, then loads scenes while it answers already (not ready until all are loaded).
-  /// ERROR: kInvalidInput: not an address to listen on; kUnavailable: cannot bind, or the data
-  /// folder is in use; kIo.
+  /// ERROR: kInvalidInput: not an address to listen on, or as checkAccess(); kUnavailable: cannot
+  /// bind, or the data folder is in use; kIo.
   static Result<std::unique_ptr<Server>> start(ServerOptions options);
   /// Stops at once.
   ~Server();
@@ -59,6 +59,11 @@ class Server {
   void configRead(bool good);
   /// Calls `task` on the I/O thread: proof that it turns over. THREADS: any.
   void whenAlive(std::function<void()> task);
+  /// Reads tokens, users, origins and certificate anew. What was withdrawn ends its live sessions;
+  /// new connections get the new certificate, old ones live on.
+  /// GUARANTEES: after an error all is as it was. ERROR: as checkAccess() (server/access.h);
+  /// kUnsupported: TLS cannot come or go while the server runs. THREADS: any.
+  Result<void> reloadAccess(const AccessOptions& access, const TlsOptions& tls);
 
   /// Stops accepting, tells clients, lets work in flight finish (limits.drain_timeout), returns.
   void drain();

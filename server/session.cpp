@@ -6,6 +6,7 @@
 #include "protocol/codec.h"
 #include "protocol/text.h"
 #include "protocol/version.h"
+#include "server/scene_names.h"
 #include "server/translate.h"
 
 namespace culld::server {
@@ -28,10 +29,11 @@ WireCode decodeCode(protocol::ErrorCode code) {
 }  // namespace
 
 Session::Session(std::shared_ptr<Scene> scene, const SessionLimits& limits, std::string server_name,
-                 Time now)
+                 Time now, SessionRights rights)
     : scene_(std::move(scene)),
       limits_(limits),
       server_name_(std::move(server_name)),
+      rights_(std::move(rights)),
       started_(now),
       now_(now) {}
 
@@ -88,7 +90,7 @@ void Session::handle(std::uint64_t id, const protocol::Hello& m) {
   welcome.limits = {static_cast<std::uint32_t>(limits_.max_message_bytes), limits_.max_views,
                     limits_.max_edits_per_request,
                     static_cast<std::uint32_t>(limits_.idle_timeout.count())};
-  welcome.scene = describe(scene_->name(), *scene->snapshot());
+  welcome.scene = describe(std::string(publicName(scene_->name())), *scene->snapshot());
   welcome.limits.max_requests_in_flight = limits_.max_requests_in_flight;
   welcome.limits.max_waiting_edits = limits_.max_waiting_edits;
   welcome.limits.max_messages_per_s = limits_.max_messages_per_s;
@@ -152,6 +154,12 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
     return fail(id, WireCode::kLimitExceeded, viewName(m.view) + ": " + fullText());
   }
   acknowledge(view, m.ack_frame);
+  const auto spent = rights_.tenant ? rights_.tenant->refuseCull(now_) : std::nullopt;
+  if (spent) {
+    fail(id, WireCode::kQuotaExceeded, viewName(m.view) + ": " + spent->message);
+    std::get_if<Send>(&actions_.back())->quota = spent->reason;
+    return;
+  }
   if (view.mailbox) ++view.superseded;
   view.mailbox = WaitingCamera{id, camera.value(), demand.value(), now_, {}};
   if (m.deadline_us != 0) view.mailbox->deadline = now_ + std::chrono::microseconds(m.deadline_us);
@@ -159,6 +167,9 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
 }
 
 void Session::handle(std::uint64_t id, protocol::Edit& m) {
+  if (!rights_.edit_refusal.empty()) {
+    return fail(id, WireCode::kForbidden, "edit: " + rights_.edit_refusal);
+  }
   if (leaving_) return fail(id, WireCode::kUnavailable, "edit: the server is going away");
   if (m.edits.empty()) return fail(id, WireCode::kInvalidEdit, "edit: an empty list");
   if (m.edits.size() > limits_.max_edits_per_request) {
@@ -319,10 +330,12 @@ void Session::noticeScene() {
   told_version_ = version;
   notice_unsent_ = true;
   ++unsent_;
-  actions_.push_back(
-      Send{protocol::encode(Message{
-               0, protocol::SceneChanged{describe(scene_->name(), *scene->snapshot()), replaced}}),
-           {SendTag::Kind::kNotice, 0, 0},
-           {}});
+  actions_.push_back(Send{
+      protocol::encode(Message{
+          0,
+          protocol::SceneChanged{
+              describe(std::string(publicName(scene_->name())), *scene->snapshot()), replaced}}),
+      {SendTag::Kind::kNotice, 0, 0},
+      {}});
 }
 }  // namespace culld::server

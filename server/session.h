@@ -15,11 +15,16 @@
 #include "protocol/messages.h"
 #include "server/jobs.h"
 #include "server/limits.h"
+#include "server/quota.h"
 #include "server/scene.h"
 
 namespace culld::server {
 
-using Time = std::chrono::nanoseconds;  ///< as Clock::now()
+/// What the client may do, as those know who let it in.
+struct SessionRights {
+  TenantPtr tenant;          ///< who pays for its cameras; none: nobody counts
+  std::string edit_refusal;  ///< why it may not edit; empty: it may
+};
 
 /// Says which bytes have left, when the host reports them sent.
 struct SendTag {
@@ -33,6 +38,7 @@ struct Send {
   std::vector<std::uint8_t> bytes;
   SendTag tag;
   protocol::WireCode error = protocol::WireCode::kNone;  ///< of an ErrorReply
+  std::optional<QuotaReason> quota = std::nullopt;       ///< of a kQuotaExceeded
 };
 struct StartCull {
   CullJob job;
@@ -54,7 +60,7 @@ using Actions = std::vector<Action>;
 class Session {
  public:
   Session(std::shared_ptr<Scene> scene, const SessionLimits& limits, std::string server_name,
-          Time now);
+          Time now, SessionRights rights = {});
 
   /// One binary message. Garbage gets an error message; the session goes on.
   Actions receive(std::span<const std::uint8_t> bytes, Time now);
@@ -143,6 +149,7 @@ class Session {
   const std::shared_ptr<Scene> scene_;
   const SessionLimits limits_;
   const std::string server_name_;
+  const SessionRights rights_;
   const Time started_;
   Time now_;
   bool greeted_ = false;

@@ -63,7 +63,8 @@ expect 2 'y=b.glb: the name y is given twice' serve --listen 127.0.0.1:0 --scene
 expect 2 'a/b' serve --listen 127.0.0.1:0 --scene a/b=x.glb
 expect 2 'none.glb' serve --listen 127.0.0.1:0 --scene x="$work/none.glb"
 expect 2 'pentium' serve --listen 127.0.0.1:0 --simd pentium
-expect 69 '203.0.113.1:80' serve --listen 203.0.113.1:80
+expect 78 'whoever reaches it may do everything.*--allow-public' serve --listen 203.0.113.1:80
+expect 69 '203.0.113.1:80' serve --listen 203.0.113.1:80 --allow-public
 expect 74 '/proc/none' serve --listen 127.0.0.1:0 --data /proc/none
 printf 'glTF but no more' >"$work/broken.glb"
 expect 2 'broken.glb' serve --listen 127.0.0.1:0 --scene x="$work/broken.glb"
