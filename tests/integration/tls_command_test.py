@@ -265,7 +265,7 @@ def check_unix_users(daemon, folder):
         code = ("import os,select,socket,sys\n"
                 f"os.setgroups([]); os.setgid({user}); os.setuid({user})\n"
                 "s=socket.socket(socket.AF_UNIX); s.connect(sys.argv[1])\n"
-                "if not select.select([s],[],[],1)[0]: "  # who is refused is told so unasked
+                "if not select.select([s],[],[],0.3)[0]: "  # who is refused is told so unasked
                 "s.sendall(b'GET /v1/scenes HTTP/1.1\\r\\nHost: x\\r\\nConnection: close\\r\\n\\r\\n')\n"
                 "print(s.recv(1000).split()[1].decode())\n")
         return int(run(sys.executable, "-c", code, path).stdout)
