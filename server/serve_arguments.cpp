@@ -14,7 +14,8 @@ void addServeFlags(CLI::App& command, ServeArguments& arguments) {
   for (const server::ConfigKey& key : server::configKeys()) {
     if (key.flag.empty()) continue;
     if (key.kind == server::KeyKind::kSwitch) {
-      command.add_flag(key.flag + "{true}", arguments.flags[key.name], key.what);
+      command.add_flag_callback(
+          key.flag, [&text = arguments.flags[key.name]] { text = "true"; }, key.what);
       continue;
     }
     CLI::Option* option = command.add_option(key.flag, arguments.flags[key.name], key.what);
