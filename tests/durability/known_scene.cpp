@@ -8,7 +8,7 @@
 #include "protocol/id_set.h"
 #include "server/disk.h"
 #include "server/translate.h"
-#include "tests/scenes/model.h"
+#include "tests/scenes/row_glb.h"
 
 namespace culld::testing {
 
@@ -16,14 +16,7 @@ using protocol::EditItem;
 using protocol::EditKind;
 
 std::string rowGlb(std::uint32_t objects) {
-  scenes::Model model;
-  model.addMaterial({});
-  scenes::Triangles triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2}};
-  const auto mesh = model.addMesh({"triangle", {{triangle, 0}}});
-  for (std::uint32_t i = 0; i < objects; ++i) {
-    model.addNode({scenes::kNone, mesh, scenes::movedBy({i, 0, 0}), ""});
-  }
-  const auto bytes = scenes::toGlb(model);
+  const auto bytes = scenes::rowGlb(objects);
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 

@@ -6,7 +6,7 @@
 
 #include "server/scene_seal.h"
 #include "server/scene_store.h"
-#include "tests/scenes/model.h"
+#include "tests/scenes/row_glb.h"
 #include "tests/unit/server/fake_method.h"
 
 namespace culld::server {
@@ -42,7 +42,7 @@ class SceneRestartTest : public ::testing::Test {
   void put(const std::string& name, std::uint32_t objects) {
     auto upload = store->beginUpload();
     ASSERT_TRUE(upload.ok());
-    ASSERT_TRUE(upload.value().append(glb(objects)).ok());
+    ASSERT_TRUE(upload.value().append(scenes::rowGlb(objects)).ok());
     const auto done = store->finishUpload(name, std::move(upload).value());
     ASSERT_TRUE(done.ok()) << done.error().message;
   }
@@ -54,18 +54,8 @@ class SceneRestartTest : public ::testing::Test {
     const auto scene = store->find(name);
     return scene == nullptr ? 0 : scene->current()->snapshot()->version();
   }
-  static std::vector<std::byte> glb(std::uint32_t objects) {
-    scenes::Model model;
-    model.addMaterial({});
-    scenes::Triangles triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2}};
-    const auto mesh = model.addMesh({"triangle", {{triangle, 0}}});
-    for (std::uint32_t i = 0; i < objects; ++i) {
-      model.addNode({scenes::kNone, mesh, scenes::movedBy({i, 0, 0}), ""});
-    }
-    return scenes::toGlb(model);
-  }
   std::string glbFile(std::uint32_t objects) const {
-    const auto bytes = glb(objects);
+    const auto bytes = scenes::rowGlb(objects);
     const fs::path path = folder / "given.glb";
     std::ofstream(path, std::ios::binary)
         .write(reinterpret_cast<const char*>(bytes.data()),

@@ -11,7 +11,7 @@
 
 #include "server/server.h"
 #include "tests/integration/raw_client.h"
-#include "tests/scenes/model.h"
+#include "tests/scenes/row_glb.h"
 #include "tests/unit/server/fake_method.h"
 
 namespace culld::testing {
@@ -62,14 +62,7 @@ class ServerTest : public ::testing::Test {
 
   /// Triangles in a row, one per node.
   static std::string rowGlb(std::uint32_t objects) {
-    scenes::Model model;
-    model.addMaterial({});
-    scenes::Triangles triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2}};
-    const auto mesh = model.addMesh({"triangle", {{triangle, 0}}});
-    for (std::uint32_t i = 0; i < objects; ++i) {
-      model.addNode({scenes::kNone, mesh, scenes::movedBy({i, 0, 0}), ""});
-    }
-    const auto bytes = scenes::toGlb(model);
+    const auto bytes = scenes::rowGlb(objects);
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
   static protocol::CameraUpdate cameraAt(double x, std::uint32_t ack = 0, std::uint32_t view = 1) {

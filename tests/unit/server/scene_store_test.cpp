@@ -36,16 +36,6 @@ class SceneStoreTest : public ::testing::Test {
     EXPECT_TRUE(upload.value().append(bytes).ok());
     return store.finishUpload(name, std::move(upload).value());
   }
-  static std::vector<std::byte> glb(std::uint32_t objects) {
-    scenes::Model model;
-    model.addMaterial({});
-    scenes::Triangles triangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 1, 2}};
-    const auto mesh = model.addMesh({"triangle", {{triangle, 0}}});
-    for (std::uint32_t i = 0; i < objects; ++i) {
-      model.addNode({scenes::kNone, mesh, scenes::movedBy({i, 0, 0}), ""});
-    }
-    return scenes::toGlb(model);
-  }
   std::size_t filesIn(const char* part) const {
     return static_cast<std::size_t>(
         std::distance(fs::directory_iterator(folder / part), fs::directory_iterator()));
@@ -61,7 +51,7 @@ TEST_F(SceneStoreTest, KeepsUploadsAcrossRestarts) {
   std::uint64_t hash = 0;
   {
     auto store = open();
-    const auto fresh = put(*store, "two", glb(2));
+    const auto fresh = put(*store, "two", scenes::rowGlb(2));
     ASSERT_TRUE(fresh.ok()) << fresh.error().message;
     EXPECT_TRUE(fresh.value());
     hash = store->find("two")->current()->snapshot()->contentHash();
@@ -70,15 +60,15 @@ TEST_F(SceneStoreTest, KeepsUploadsAcrossRestarts) {
   EXPECT_TRUE(store->loadAll().value().empty());
   ASSERT_NE(store->find("two"), nullptr);
   EXPECT_EQ(store->find("two")->current()->snapshot()->contentHash(), hash);
-  EXPECT_EQ(store->list().at("two").file_bytes, glb(2).size());
+  EXPECT_EQ(store->list().at("two").file_bytes, scenes::rowGlb(2).size());
 }
 
 TEST_F(SceneStoreTest, ReplacesASceneUnderTheHandsOfItsReaders) {
   auto store = open();
-  ASSERT_TRUE(put(*store, "s", glb(2)).ok());
+  ASSERT_TRUE(put(*store, "s", scenes::rowGlb(2)).ok());
   const auto scene = store->find("s");
   const SceneVersionPtr before = scene->current();
-  const auto again = put(*store, "s", glb(5));
+  const auto again = put(*store, "s", scenes::rowGlb(5));
   ASSERT_TRUE(again.ok());
   EXPECT_FALSE(again.value());
   EXPECT_EQ(before->snapshot()->objectCount(), 2U);
@@ -106,7 +96,7 @@ TEST_F(SceneStoreTest, RemovesHalfUploadsOfADeadProcess) {
 TEST_F(SceneStoreTest, NamesAStoredSceneThatIsBrokenAndServesTheOthers) {
   {
     auto store = open();
-    ASSERT_TRUE(put(*store, "fine", glb(1)).ok());
+    ASSERT_TRUE(put(*store, "fine", scenes::rowGlb(1)).ok());
     std::ofstream(folder / "scenes" / "torn~0000000000000007.scene") << "glTF but no more";
   }
   auto store = open();
@@ -120,7 +110,7 @@ TEST_F(SceneStoreTest, NamesAStoredSceneThatIsBrokenAndServesTheOthers) {
 TEST_F(SceneStoreTest, ForgetsARemovedSceneForGood) {
   {
     auto store = open();
-    ASSERT_TRUE(put(*store, "s", glb(1)).ok());
+    ASSERT_TRUE(put(*store, "s", scenes::rowGlb(1)).ok());
     EXPECT_TRUE(store->remove("s").ok());
     EXPECT_EQ(store->find("s"), nullptr);
     const auto again = store->remove("s");
@@ -134,11 +124,11 @@ TEST_F(SceneStoreTest, ForgetsARemovedSceneForGood) {
 
 TEST_F(SceneStoreTest, LimitsTheNumberOfScenes) {
   auto store = open(1);
-  ASSERT_TRUE(put(*store, "a", glb(1)).ok());
-  const auto second = put(*store, "b", glb(1));
+  ASSERT_TRUE(put(*store, "a", scenes::rowGlb(1)).ok());
+  const auto second = put(*store, "b", scenes::rowGlb(1));
   ASSERT_FALSE(second.ok());
   EXPECT_EQ(second.error().code, ErrorCode::kUnavailable);
-  EXPECT_TRUE(put(*store, "a", glb(2)).ok()) << "replacing is not one more";
+  EXPECT_TRUE(put(*store, "a", scenes::rowGlb(2)).ok()) << "replacing is not one more";
 }
 
 TEST_F(SceneStoreTest, KeepsASecondProcessOut) {
