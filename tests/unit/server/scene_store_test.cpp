@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "tests/scenes/known_scenes.h"
+#include "tests/scenes/row_glb.h"
 #include "tests/unit/server/fake_method.h"
 
 namespace culld::server {
