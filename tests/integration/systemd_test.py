@@ -14,6 +14,7 @@ import tempfile
 import time
 
 CULLD = os.path.join(sys.argv[1], "culld")
+CHILDREN = []  # those that run: a test that fails leaves none behind
 
 
 class Manager:
@@ -45,6 +46,7 @@ class Manager:
             finally:
                 os._exit(99)
         log.close()
+        CHILDREN.append(child)
         return child
 
     def hear(self, wanted, seconds=20):
@@ -67,7 +69,9 @@ class Manager:
 def end(child, signal_number=signal.SIGTERM):
     if signal_number:
         os.kill(child, signal_number)
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    CHILDREN.remove(child)
+    return code
 
 
 def listening(address, family=socket.AF_INET, kind=socket.SOCK_STREAM):
@@ -158,8 +162,10 @@ def watchdog(folder):
     os.kill(child, signal.SIGCONT)
     manager.hear("WATCHDOG=1", 5)
     assert end(child) == 0
-    manager.told.clear()
-    for other in ({"WATCHDOG_USEC": "200000", "WATCHDOG_PID": "1"}, {"WATCHDOG_USEC": "soon"}, {"WATCHDOG_USEC": "0"}):
+    for number, other in enumerate(({"WATCHDOG_USEC": "200000", "WATCHDOG_PID": "1"}, {"WATCHDOG_USEC": "soon"}, {"WATCHDOG_USEC": "0"})):
+        own = os.path.join(folder, str(number))  # what the last daemon told is nothing to this one
+        os.mkdir(own)
+        manager = Manager(own)
         child = manager.start(arguments=["--listen", "127.0.0.1:0"], **other)
         manager.hear("STATUS=serving on .*")
         assert not select.select([manager.notify], [], [], 0.5)[0], manager.notify.recv(4096)
@@ -167,7 +173,11 @@ def watchdog(folder):
         manager.hear("STOPPING=1")
 
 
-for test in (activation, states, watchdog):
-    with tempfile.TemporaryDirectory() as own_folder:
-        test(own_folder)
-        print(test.__name__, "fine")
+try:
+    for test in (activation, states, watchdog):
+        with tempfile.TemporaryDirectory() as own_folder:
+            test(own_folder)
+            print(test.__name__, "fine")
+finally:
+    for left in CHILDREN:
+        os.kill(left, signal.SIGKILL)
