@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* kDatabase = "edits.db";
 constexpr const char* kMark = "mark";
-constexpr std::string_view kUnfinished = "tmp~";  // no scene name has a tilde
-constexpr int kLongLog = 1000;                    // pages, about 4 MB
+constexpr std::string_view kUnfinished = "~tmp~";  // no scene name begins so, not even "tmp"
+constexpr int kLongLog = 1000;                     // pages, about 4 MB
 
 struct StoreName {
   std::string name, key;

@@ -24,6 +24,7 @@ namespace http = beast::http;
 namespace asio = boost::asio;
 
 constexpr std::size_t kPartBytes = std::size_t{256} << 10;
+constexpr std::size_t kReadBytes = 65'536;  ///< what Beast reads at most at once
 
 std::string_view view(beast::string_view s) { return {s.data(), s.size()}; }
 
@@ -60,6 +61,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     origin_.reset();
     header_.emplace();
     header_->header_limit(context_.limits.max_header_bytes);
+    // Also bounds what no limit of the parser counts: headers of chunks, and trailers.
+    buffer_.max_size(context_.limits.max_header_bytes + kReadBytes);
     header_->body_limit(context_.limits.max_upload_bytes);
     socket().expires_after(context_.limits.header_timeout);
     http::async_read_header(stream_, buffer_, *header_,
@@ -140,13 +143,17 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void refuseBytes(beast::error_code failure) {
     keep_alive_ = false;
     version_ = 11;
-    method_.clear();
+    if (!body_) method_.clear();
     if (failure == http::error::header_limit) {
       return reply(errorReply(431, "request header larger than " +
                                        std::to_string(context_.limits.max_header_bytes) +
                                        " bytes"));
     }
     if (failure == http::error::body_limit) return reply(tooLarge());
+    if (failure == http::error::buffer_overflow) {
+      return reply(errorReply(431, inScene("a chunk's header, or a trailer, larger than " +
+                                           std::to_string(buffer_.max_size()) + " bytes")));
+    }
     if (failure == http::error::partial_message) {  // the peer may have shut only its own half
       return reply(errorReply(400, body_ ? inScene("the upload ends before its length")
                                          : "the request ends within its header"));
@@ -301,6 +308,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     context_.loaders.post(grant_.tenant->name(), [self = shared_from_this()]() mutable {
       Context& context = self->context_;
       auto made = std::make_shared<HttpReply>(self->guarded([&] {
+        // The body may have taken days.
+        if (!context.access.stillGood(self->grant_, self->caller_.peer)) {
+          return errorReply(401, self->inScene("the token was withdrawn during the upload"));
+        }
         return finishPut(self->route_.scene, std::move(*self->upload_), self->grant_, context);
       }));
       context.onIoThread([self = std::move(self), made] {
@@ -386,7 +397,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void linger() {
     buffer_.consume(buffer_.size());
-    socket().async_read_some(buffer_.prepare(65536),
+    socket().async_read_some(buffer_.prepare(kReadBytes),
                              [self = shared_from_this()](beast::error_code failure, std::size_t) {
                                if (!failure) self->linger();
                              });

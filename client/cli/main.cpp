@@ -1,5 +1,7 @@
 // The program cullctl: reads the command line and hands over to the command.
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <functional>
 
@@ -103,6 +105,14 @@ void addEdit(CLI::App& app, Arguments& a, Command& command) {
   watch->callback([&] { command = [&](const Server& at) { return runWatch(at, a.watch); }; });
 }
 
+/// CLI::Range lets NaN through.
+CLI::Validator aNumber() {
+  const auto check = [](const std::string& text) {
+    return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is not a number" : "";
+  };
+  return {check, ""};
+}
+
 void addLoad(CLI::App& app, Arguments& a, Command& command) {
   LoadArguments& l = a.load;
   CLI::App* load = app.add_subcommand("load", "Send cameras of many clients by the clock");
@@ -111,13 +121,19 @@ void addLoad(CLI::App& app, Arguments& a, Command& command) {
   const auto not_negative = CLI::Range(0.0, 1e6);
   load->add_option("--clients", l.clients, "connections")->check(CLI::Range(1U, 10'000U));
   load->add_option("--views", l.views, "views of each")->check(CLI::Range(1U, 1'000U));
-  load->add_option("--rate", l.rate_hz, "cameras a second and view")->check(positive);
-  load->add_option("--seconds", l.seconds, "how long")->check(positive);
+  load->add_option("--rate", l.rate_hz, "cameras a second and view")
+      ->check(positive)
+      ->check(aNumber());
+  load->add_option("--seconds", l.seconds, "how long")->check(positive)->check(aNumber());
   load->add_option("--radius", l.radius_m, "motion bound, m: ask again on leaving it")
-      ->check(not_negative);
-  load->add_option("--angle", l.angle_rad, "motion bound, radians")->check(not_negative);
+      ->check(not_negative)
+      ->check(aNumber());
+  load->add_option("--angle", l.angle_rad, "motion bound, radians")
+      ->check(not_negative)
+      ->check(aNumber());
   load->add_option("--late-ms", l.late_ms, "answers after this are late; 0: the time of a camera")
-      ->check(not_negative);
+      ->check(not_negative)
+      ->check(aNumber());
   load->add_option("--verify", l.verify_every, "ask every so manieth camera again; 0: none");
   load->add_flag("--json", l.json, "print JSON");
   load->callback([&] { command = [&](const Server& at) { return runLoad(at, a.load); }; });

@@ -76,7 +76,7 @@ bool fails(const std::string& path) {
 
 bool needsNoSync(const std::string& path) {
   return path.ends_with("/mark") || path.ends_with("/uploads") ||
-         path.find("/tmp~") != std::string::npos;
+         path.find("/~tmp~") != std::string::npos;
 }
 
 void changed(const std::string& path) {
@@ -95,7 +95,7 @@ void synced(const std::string& path) {
 
 void renamed(const std::string& from, const std::string& to) {
   const auto above = [](const std::string& path) { return path.substr(0, path.rfind('/')); };
-  if (to.find("/tmp~") != std::string::npos) return;  // waste: it may come back
+  if (to.find("/~tmp~") != std::string::npos) return;  // waste: it may come back
   {
     const std::lock_guard lock(state().mutex);
     if (state().unsynced.erase(from) != 0) state().unsynced.insert(to);

@@ -163,8 +163,8 @@ TEST_F(EditStoreTest, SweepsEditsOfScenesThatWereReplacedOrAreGone) {
 }
 
 TEST_F(EditStoreTest, RemovesWhatWasBegunAndNamesWhatIsForeign) {
-  fs::create_directories(folder / "tmp~0000000000000009");
-  std::ofstream(folder / "tmp~0000000000000009" / "edits.db") << "half";
+  fs::create_directories(folder / "~tmp~0000000000000009");
+  std::ofstream(folder / "~tmp~0000000000000009" / "edits.db") << "half";
   std::ofstream(folder / "holiday.jpg") << "sun";
   reopenFolder();
   EXPECT_EQ(entries(), std::vector<std::string>{"holiday.jpg"});

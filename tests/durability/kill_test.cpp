@@ -205,7 +205,7 @@ class KillTest : public ::testing::Test {
   void expectNothingHalf() const {
     EXPECT_TRUE(fs::is_empty(data() / "uploads")) << "a half upload";
     for (const auto& entry : fs::directory_iterator(data() / "edits")) {
-      EXPECT_FALSE(entry.path().filename().string().starts_with("tmp~")) << entry.path();
+      EXPECT_FALSE(entry.path().filename().string().starts_with("~tmp~")) << entry.path();
     }
     const std::string log = daemon.log();
     EXPECT_EQ(log.find("is not served"), std::string::npos) << log;

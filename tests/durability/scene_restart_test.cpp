@@ -179,6 +179,15 @@ TEST_F(SceneRestartTest, AGivenFileShadowsAStoredSceneAndLeavesItsEditsAlone) {
   EXPECT_EQ(store->find("s")->current()->snapshot()->objectCount(), 5U);
 }
 
+TEST_F(SceneRestartTest, NoNameOfASceneLooksLikeAnUnfinishedStore) {
+  for (const char* name : {"tmp", "uploads", "lock", "edits"}) {
+    put(name, 5);
+    edit(name, {HideObject{1}});
+  }
+  EXPECT_TRUE(open().empty());
+  for (const char* name : {"tmp", "uploads", "lock", "edits"}) EXPECT_EQ(version(name), 2U) << name;
+}
+
 TEST_F(SceneRestartTest, DamagedEditsKeepTheirSceneFromBeingServedAndNoOther) {
   put("bad", 5);
   put("fine", 5);

@@ -95,6 +95,7 @@ expect 2 'cullctl: deep.gltf: JSON: nested deeper than 256' "$cullctl" put t dee
 expect 2 'cullctl: zero.gltf: JSON: a zero byte at byte 27' "$cullctl" put t zero.gltf --connect "$unix"
 expect 2 'cullctl: absent.glb: cannot read: No such file or directory' "$cullctl" put t absent.glb --connect "$tcp"
 expect 2 'cullctl: .: cannot read: Is a directory' "$cullctl" put t . --connect "$tcp"
+expect 2 'cullctl: --rate: nan is not a number' "$cullctl" load s --cameras c.json --rate nan --connect "$tcp"
 expect 2 'cullctl: --output excludes --loop' "$cullctl" fly s --cameras c.json --loop -o a.json --connect "$tcp"
 expect 2 'cullctl: --count: Value 0 not in range 1 to 1000000' "$cullctl" ping --count 0 --connect "$tcp"
 

@@ -343,5 +343,19 @@ TEST_F(Http, ReplacesASocketFileThatNobodyAnswersOnOnly) {
   EXPECT_FALSE(std::filesystem::exists(options.unix_path));
 }
 
+TEST_F(Http, BoundsWhatChunksHaveBesidesTheirBytes) {
+  startWithRow();
+  const std::string head =
+      "PUT /v1/scenes/up HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n";
+  for (const char* start : {"5;", "0000", "1\r\na\r\n0\r\nX-Trailer: "}) {
+    RawSocket s = socket();
+    s.send(head + start);
+    for (int i = 0; i < 40 && s.send(std::string(100'000, '0')); ++i) {
+    }
+    EXPECT_EQ(readAnswer(s).status, 431) << start;
+  }
+  EXPECT_EQ(get("/v1/scenes/up").status, 404);
+}
+
 }  // namespace
 }  // namespace culld::testing

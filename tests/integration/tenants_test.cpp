@@ -196,5 +196,22 @@ TEST_F(Tenants, LoseTheirSessionsWithTheirTokens) {
   EXPECT_EQ(ask("other", "GET", "/v1/scenes").status, 200) << "the old tokens hold";
 }
 
+TEST_F(Tenants, LoseAnUploadUnderWayWithTheirToken) {
+  startWithTokens();
+  const std::string body = rowGlb(300);
+  RawSocket slow = socket();
+  slow.send(
+      "PUT /v1/scenes/late HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer keeper\r\nExpect: "
+      "100-continue\r\nContent-Length: " +
+      std::to_string(body.size()) + "\r\n\r\n");
+  ASSERT_TRUE(slow.readUntil("100 Continue\r\n\r\n"));  // it was let in
+  slow.send(body.substr(0, 100));
+  files.write("tokens.toml", tokenEntry("chief", "", "admin"));
+  ASSERT_TRUE(server->reloadAccess(options.access, {}).ok());
+  slow.send(body.substr(100));
+  EXPECT_EQ(readAnswer(slow).status, 401);
+  EXPECT_EQ(ask("chief", "GET", "/v1/scenes/late").status, 404);
+}
+
 }  // namespace
 }  // namespace culld::testing
