@@ -75,7 +75,10 @@ bool RawSocket::send(std::string_view data) {
 
 bool RawSocket::fill() {
   std::array<char, 65536> part{};
-  const ssize_t n = ::recv(fd_, part.data(), part.size(), 0);
+  ssize_t n = 0;
+  do {
+    n = ::recv(fd_, part.data(), part.size(), 0);
+  } while (n < 0 && errno == EINTR);  // a fuzzer's clock, say
   if (n <= 0) {
     ended_ = n == 0 || errno == ECONNRESET;
     return false;
