@@ -6,6 +6,7 @@
 
 #include "culling/core/prefetch.h"
 #include "culling/core/prices.h"
+#include "culling/raster/box_cells.h"
 
 namespace culld {
 namespace {
@@ -18,29 +19,13 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 
 // Nanoseconds of counted work, measured (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
-constexpr std::uint64_t kPieceNs = 1200, kSquareNs = 80;
-constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 constexpr std::uint64_t kStakeShare = 16;  ///< of the walk's work: asked in vain before it must pay
 constexpr std::uint32_t kAskOneOf = 32;    ///< where it does not
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
 
-std::uint32_t clampCell(float x, std::uint32_t side) {
-  const float top = static_cast<float>(side - 1);
-  return static_cast<std::uint32_t>(std::min(std::max(x, 0.0F), top));  // truncation: x >= 0
-}
-
-glm::dvec3 largestOf(const Mesh& mesh) {
-  return glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
-}
-
 bool largeEnough(const CellRect& rect) {
   return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
-}
-
-CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid) {
-  return {clampCell(rects.x0[lane], grid.width), clampCell(rects.x1[lane], grid.width),
-          clampCell(rects.y0[lane], grid.height), clampCell(rects.y1[lane], grid.height)};
 }
 
 }  // namespace
@@ -59,6 +44,7 @@ RasterWalk::RasterWalk(const SceneSnapshot& scene, const WideBvh& bvh, const Occ
       asked_view_(askedView(view_)),
       box_view_(boxView(view_)),
       origin_world_(camera.origin_world),
+      drawing_(scene, occluders, view_, origin_world_, deadline, memory.occluder),
       ask_triangles_(demand.own_triangles) {
   memory_.cells.reset(view_.grid);
   memory_.queue.clear();
@@ -142,55 +128,15 @@ bool RasterWalk::drawObject(const RasterItem& item) {
   const Instance& instance = scene_.instance(item.ref.objectId());
   if (!worthDrawing(item.rect, occluders_.mesh(instance.mesh))) return true;
   ++stats_.occluders_drawn;
-  bool in_time = true;
-  return drawPieces(item, instance, in_time) ? in_time : drawSheet(item, instance);
-}
-
-/// False: not all of it is convex pieces that can be drawn as such. Those drawn by then stay: each
-/// is proven by itself.
-bool RasterWalk::drawPieces(const RasterItem& item, const Instance& instance, bool& in_time) {
-  const OccluderMesh& mesh = occluders_.mesh(instance.mesh);
-  const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
-  if (mesh.piece_count == 0 || wanted == 0) return false;
-  const ObjectRows rows =
-      objectRows(view_, instance.world_from_mesh, origin_world_, glm::dvec3(mesh.largest));
-  ConvexOutline& outline = memory_.outline;
-  for (std::uint32_t i = 0; i < mesh.piece_count; ++i) {
-    if (i % kItemsPerLook == kItemsPerLook - 1) in_time = workLeft() && !deadline_.passed();
-    if (!in_time) return true;
-    const OutlineVerdict verdict = outlineOf(occluders_.piece(mesh.first_piece + i), rows,
-                                             view_.grid, view_.perspective, wanted, outline);
-    drawing_ns_ += kPieceNs;
-    if (verdict == OutlineVerdict::kNeedSheet) return false;
-    if (verdict == OutlineVerdict::kNothing) continue;
-    stats_.triangles_drawn += outline.triangles;
-    drawing_ns_ += kSquareNs * drawOutline(outline, item.nearest, memory_.cells);
-  }
-  return true;
-}
-
-/// Valid until the next call.
-SheetObject RasterWalk::sheetObject(const RasterItem& item, const Instance& instance,
-                                    bool blocking_only) {
-  const Mesh& mesh = scene_.mesh(instance.mesh);
-  memory_.surfaces.clear();
-  for (const Surface& s : mesh.surfaces) {
-    if (blocking_only && !s.blocks) continue;
-    memory_.surfaces.push_back({s.first_triangle, s.triangle_count, s.double_sided});
-  }
-  return {mesh.positions,           mesh.triangles,  mesh.partners, memory_.surfaces,
-          instance.world_from_mesh, largestOf(mesh), item.nearest};
-}
-
-/// False if time ran out on the way.
-bool RasterWalk::drawSheet(const RasterItem& item, const Instance& instance) {
-  const SheetObject object = sheetObject(item, instance, true);
-  const DrawnSheet drawn =
-      memory_.sheets.draw(object, view_, origin_world_, deadline_, memory_.cells);
+  const DrawnOccluder drawn = drawing_.draw(instance, item.nearest, workLeftNs(), memory_.cells);
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += kVertexNs * object.positions.size() + kTriangleNs * drawn.triangles +
-                 kDrawingWorkNs * drawn.work;
-  return !drawn.out_of_time;
+  drawing_ns_ += drawn.work_ns;
+  return !drawn.cut_short;
+}
+
+std::uint64_t RasterWalk::workLeftNs() const {
+  if (most_work_.count() == 0) return OccluderDrawing::kNoLimit;
+  return workLeft() ? static_cast<std::uint64_t>((most_work_ - work()).count()) : 0;
 }
 
 void RasterWalk::keepTheRest(Answer& answer) {
@@ -211,9 +157,8 @@ std::chrono::nanoseconds RasterWalk::work() const {
 }
 
 void RasterWalk::run(Answer& answer) {
-  const CellRect everything{0, view_.grid.width - 1, 0, view_.grid.height - 1};
   for (std::uint32_t root = 0; root < bvh_.rootCount(); ++root) {
-    push({everything, std::numeric_limits<float>::infinity(), ChildRef::node(root),
+    push({everyCell(view_.grid), std::numeric_limits<float>::infinity(), ChildRef::node(root),
           frustum_.planes()});
   }
   bool in_time = true;
@@ -275,7 +220,8 @@ bool RasterWalk::hiddenByItsTriangles(const RasterItem& item, bool& out_of_budge
   const Instance& instance = scene_.instance(item.ref.objectId());
   const Mesh& mesh = scene_.mesh(instance.mesh);
   if (mesh.points_and_lines != 0) return false;
-  const SheetObject object = sheetObject(item, instance, false);
+  const SheetObject object =
+      sheetObjectOf(scene_, instance, item.nearest, SheetParts::kAll, memory_.occluder.surfaces);
   const auto worth_ns = static_cast<std::uint64_t>(kObjectPrice.count()) +
                         static_cast<std::uint64_t>(kTrianglePrice.count()) * mesh.triangles.size();
   const OwnTriangleVerdict verdict =

@@ -5,14 +5,13 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/occluders/occluder_drawing.h"
 #include "culling/occluders/occluder_set.h"
 #include "culling/raster/box_kernels.h"
 #include "culling/raster/cell_view.h"
-#include "culling/raster/convex_outline.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/raster/moving_view.h"
 #include "culling/raster/own_triangles.h"
-#include "culling/raster/sheet.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/wide_bvh.h"
@@ -30,11 +29,9 @@ struct RasterItem {
 /// Buffers kept from frame to frame for their memory only: nothing in them is read again.
 struct RasterMemory final : ViewState::Memory {
   DepthCells cells;
-  SheetRasterizer sheets;
+  OccluderScratch occluder;
   std::vector<RasterItem> queue;       ///< a heap, nearest on top
   std::vector<RasterItem> candidates;  ///< objects not hidden by what was drawn before them
-  std::vector<SheetSurface> surfaces;
-  ConvexOutline outline;
 };
 
 class RasterWalk {
@@ -56,9 +53,7 @@ class RasterWalk {
   void takeHidden(const RasterItem& item);
   bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const;
   bool drawObject(const RasterItem& item);
-  bool drawPieces(const RasterItem& item, const Instance& instance, bool& in_time);
-  bool drawSheet(const RasterItem& item, const Instance& instance);
-  SheetObject sheetObject(const RasterItem& item, const Instance& instance, bool blocking_only);
+  std::uint64_t workLeftNs() const;
   bool workLeft() const { return most_work_.count() == 0 || work() < most_work_; }
   void keepTheRest(Answer& answer);
   std::chrono::nanoseconds work() const;
@@ -79,6 +74,7 @@ class RasterWalk {
   CellView asked_view_;  ///< the same, for what is asked instead of drawn
   BoxView box_view_;
   glm::dvec3 origin_world_;
+  OccluderDrawing drawing_;
   bool ask_triangles_;  ///< demanded, and the view stands still
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
