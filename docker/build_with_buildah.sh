@@ -3,14 +3,15 @@
 # with buildah's chroot isolation, tries the image (smoke.sh) and says how large it is and how long that took.
 # usage: build_with_buildah.sh [--storage DIR] [--mirror URL]    as root, with buildah and debootstrap
 #   --storage DIR  keeps base and layers for the next time (default build/buildah)
+#   --mirror URL   else debootstrap's own
 #   CCACHE_DIR, if set, is used by the compiler inside
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-storage=$PWD/build/buildah mirror=http://deb.debian.org/debian
+storage=$PWD/build/buildah mirror=()
 while [ $# -gt 0 ]; do
   case $1 in
     --storage) mkdir -p "$2"; storage=$(cd "$2" && pwd); shift 2 ;;
-    --mirror) mirror=$2; shift 2 ;;
+    --mirror) mirror=("$2"); shift 2 ;;
     *) sed -n 's/^# usage: /usage: /p' "$0" >&2; exit 2 ;;
   esac
 done
@@ -28,7 +29,7 @@ step() { # step WHAT COMMAND...
 }
 
 make_base() {
-  debootstrap --variant=minbase bookworm "$storage/base" "$mirror"
+  debootstrap --variant=minbase bookworm "$storage/base" "${mirror[@]}"
   rm -rf "$storage"/base/var/lib/apt/lists/* "$storage"/base/var/cache/apt/*
   local container
   container=$(buildah "${options[@]}" from scratch)

@@ -101,8 +101,6 @@ Result<std::unique_ptr<Access>> Access::open(const AccessOptions& options,
 Result<void> Access::reload(const AccessOptions& options) {
   auto fresh = read(options);
   if (!fresh) return fresh.error();
-  // A ticket lives for seconds: whoever holds one of an old token comes again with a new one.
-  tickets_.clear();
   const std::lock_guard lock(mutex_);
   rules_ = std::move(fresh).value();
   return Done{};
@@ -131,7 +129,7 @@ Result<std::shared_ptr<const Access::Rules>> Access::read(const AccessOptions& o
     if (tenant == nullptr) tenant = std::make_shared<Tenant>(token.tenant);
     const auto quotas = file.value().tenants.find(token.tenant);
     tenant->setQuotas(quotas == file.value().tenants.end() ? Quotas{} : quotas->second);
-    rules->grants.push_back({tenant, token.scope, token.digest});
+    rules->grants.push_back({tenant, token.scope, token.digest, {}});
   }
   return std::shared_ptr<const Rules>(std::move(rules));
 }
@@ -153,7 +151,7 @@ std::optional<Grant> Access::standing(const Peer& peer) const {
   const auto rules = this->rules();
   const bool known = peer.unix_socket && (ownsProcess(peer) || rules->users.contains(peer.user));
   if (rules->tokens_needed && !known) return std::nullopt;
-  return Grant{operator_, Scope::kAdmin, std::nullopt};
+  return Grant{operator_, Scope::kAdmin, std::nullopt, peer};
 }
 
 std::optional<Grant> Access::ofToken(std::string_view token) const {
@@ -168,7 +166,7 @@ std::optional<Grant> Access::ofToken(std::string_view token) const {
 
 bool Access::stillGood(const Grant& grant, const Peer& peer) const {
   if (!mayConnect(peer)) return false;
-  if (!grant.token) return standing(peer).has_value();
+  if (!grant.token) return standing(grant.given_to).has_value();
   const auto rules = this->rules();
   return std::any_of(rules->grants.begin(), rules->grants.end(), [&grant](const Grant& now) {
     return same(*now.token, *grant.token) && now.tenant == grant.tenant && now.scope >= grant.scope;

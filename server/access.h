@@ -19,12 +19,6 @@
 
 namespace culld::server {
 
-/// Where a connection came from, as the kernel says.
-struct Peer {
-  bool unix_socket = false;
-  std::uint32_t user = 0;  ///< of a Unix socket
-};
-
 /// Refuses to tell secrets in public, or to let the public in, unless the operator allows it.
 /// `listen_host` is an address, or localhost.
 /// ERROR: kInvalidInput: one line that says how to allow it.
@@ -50,10 +44,10 @@ class Access {
   /// What this peer may do without a token.
   std::optional<Grant> standing(const Peer& peer) const;
   /// For what is open to all.
-  Grant stranger() const { return {operator_, Scope::kRead, std::nullopt}; }
+  Grant stranger() const { return {operator_, Scope::kRead, std::nullopt, {}}; }
   std::optional<Grant> ofToken(std::string_view token) const;
-  /// Whether `grant` would still be given to `peer`: false once its token was withdrawn or
-  /// narrowed.
+  /// Whether `grant`, which `peer` uses, would still be given: false once its token was withdrawn
+  /// or narrowed.
   bool stillGood(const Grant& grant, const Peer& peer) const;
   /// Whether the operator named this origin ("https://HOST[:PORT]").
   bool listsOrigin(std::string_view origin) const;

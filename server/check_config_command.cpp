@@ -6,6 +6,9 @@
 #include <cstring>
 #include <iostream>
 
+#include "culling/core/simd.h"
+#include "server/access.h"
+
 namespace culld {
 
 int runCheckConfig(const ServeArguments& arguments) {
@@ -18,7 +21,14 @@ int runCheckConfig(const ServeArguments& arguments) {
                                                ": scenes." + name + ": " + file + ": " +
                                                std::strerror(errno));
   }
-  if (auto safe = checkAccess(config.value()); !safe) return fail(kConfig, safe.error().message);
+  const server::Config& c = config.value();
+  if (auto safe = checkListen(c); !safe) return fail(kConfig, safe.error().message);
+  if (auto read = server::checkAccess(c.access, c.tls); !read) {
+    return fail(kConfig, read.error().message);
+  }
+  if (auto forced = forceSimdTarget(c.simd); !forced) {
+    return fail(mistakeIn(c), forced.error().message);
+  }
   std::cout << server::describe(config.value());
   return kFine;
 }

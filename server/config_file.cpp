@@ -1,13 +1,11 @@
 // A configuration file: TOML, of which every key must be known and every value of its kind.
 #include <toml++/toml.h>
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "server/config_keys.h"
+#include "server/disk.h"
 #include "server/scene_files.h"
 
 namespace culld::server {
@@ -174,20 +172,9 @@ Result<Settings> settingsOfFile(std::string_view text, const std::string& path) 
 }
 
 Result<Settings> settingsOfFile(const std::string& path) {
-  std::error_code failure;
-  if (std::filesystem::is_directory(path, failure)) {
-    return Error{ErrorCode::kIo, path + ": is a folder"};
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return Error{ErrorCode::kIo, path + ": cannot open: " + std::strerror(errno)};
-  std::string text(kMostBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return Error{ErrorCode::kIo, path + ": cannot read: " + std::strerror(errno)};
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMostBytes) {
-    return Error{ErrorCode::kLimit, path + ": larger than 1 MiB"};
-  }
-  return settingsOfFile(text, path);
+  const auto text = readSmallFile(path, kMostBytes);
+  if (!text) return text.error();
+  return settingsOfFile(text.value(), path);
 }
 
 }  // namespace culld::server

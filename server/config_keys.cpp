@@ -162,7 +162,8 @@ std::vector<ConfigKey> generalKeys() {
           "For culling; 0: as many as cores")),
       named(choice(
           "backend", kAtStart, Words{{"auto", "auto"}, {"cpu", "cpu"}},
-          [](auto& c) -> auto& { return c.backend; }, "auto or cpu")),
+          [](auto& c) -> auto& { return c.backend; },
+          "auto or cpu, which is all that there is so far")),
       named(choice(
           "simd", kAtStart,
           Words{{"auto", "auto"}, {"sse4", "sse4"}, {"avx2", "avx2"}, {"avx3", "avx3"}},
@@ -262,7 +263,7 @@ std::vector<ConfigKey> connectionLimitKeys() {
           "pause within an upload"),
       seconds(
           "limits.write_timeout_s", [](auto& c) -> auto& { return c.limits.write_timeout; },
-          "time for the peer to take an HTTP reply"),
+          "time for the peer to take an HTTP reply or a live message"),
       seconds(
           "limits.drain_timeout_s", [](auto& c) -> auto& { return c.limits.drain_timeout; },
           "time to finish after SIGTERM"),

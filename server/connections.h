@@ -17,6 +17,7 @@ std::string peerName(const StreamSocket& socket);
 struct Caller {
   Peer peer;
   AddressTicket place;  ///< among the connections of its address
+  std::string name;     ///< peerName()
 };
 
 /// Speaks HTTP/1.1, on TCP under TLS if the server has keys for it, until the connection ends or

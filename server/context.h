@@ -62,8 +62,10 @@ struct Context {
       if (live.contains(peer) && peer->scene().get() == scene) peer->sceneMoved();
     }
   }
-  /// Ends the sessions of tokens that were withdrawn.
+  /// After a reload: ends the sessions of tokens that were withdrawn. A ticket lives for seconds,
+  /// so all go: whoever holds one of an old token comes again with a new one.
   void accessChanged() {
+    access.tickets().clear();
     for (LivePeer* peer : std::set<LivePeer*>(live)) {
       if (live.contains(peer) && !peer->stillWelcome()) peer->goAway("the token was withdrawn");
     }

@@ -59,6 +59,26 @@ MappedFile::~MappedFile() {
   if (data_ != nullptr) ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
+Result<std::string> readSmallFile(const std::string& path, std::size_t most) {
+  // A pipe is neither waited for nor taken for an empty file.
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  struct stat info {};
+  if (file.get() < 0 || ::fstat(file.get(), &info) != 0) return ioError(path + ": cannot open");
+  if (!S_ISREG(info.st_mode)) return Error{ErrorCode::kIo, path + ": is no regular file"};
+  std::string text(most + 1, '\0');
+  std::size_t got = 0;
+  while (got < text.size()) {
+    const ssize_t n = ::read(file.get(), text.data() + got, text.size() - got);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return ioError(path + ": cannot read");
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  text.resize(got);
+  if (got <= most) return text;
+  return Error{ErrorCode::kLimit, path + ": larger than " + std::to_string(most) + " bytes"};
+}
+
 Error ioError(const std::string& what) {
   return {ErrorCode::kIo, what + ": " + std::strerror(errno)};
 }

@@ -42,6 +42,10 @@ class MappedFile {
   std::size_t size_ = 0;
 };
 
+/// A regular file, which others may have written, as text.
+/// ERROR: kIo; kLimit: larger than `most` bytes; both name `path`.
+Result<std::string> readSmallFile(const std::string& path, std::size_t most);
+
 /// kIo with `what` and the words of errno.
 Error ioError(const std::string& what);
 
@@ -54,7 +58,7 @@ Result<void> syncFolder(const std::filesystem::path& folder);
 Result<void> makeFolder(const std::filesystem::path& folder);
 Result<void> renamePath(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// renamePath() and syncFolder() of `to`'s folder; if the second fails, the first is undone.
+/// renamePath() within `folder` and syncFolder() of it; if the second fails, the first is undone.
 struct MoveOutcome {
   Result<void> moved = Done{};
   bool undone = true;  ///< after a failure: all is as before, on disk too

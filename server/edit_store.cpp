@@ -267,16 +267,6 @@ EditStore::TouchedObjects EditStore::touchedBy(const SceneSnapshot& before,
   return changed;
 }
 
-Result<void> EditStore::write(const TouchedObjects& changed, const SceneSnapshot& after,
-                              const EditTotals& totals) {
-  std::vector<EditRow> rows;
-  rows.reserve(changed.size());
-  for (const auto& [id, touched] : changed) {
-    rows.push_back(rowOf(id, touched.like, touched.moved, after.instance(id)));
-  }
-  return database_->commit(rows, totals);
-}
-
 Result<void> EditStore::commit(const SceneSnapshot& before, const SceneSnapshot& after,
                                std::span<const Edit> edits) {
   if (!halted_.empty()) return named({ErrorCode::kIo, halted_});
@@ -285,13 +275,15 @@ Result<void> EditStore::commit(const SceneSnapshot& before, const SceneSnapshot&
   }
   TouchedObjects changed = touchedBy(before, edits);
   EditTotals totals{after.version(), totals_.rows, totals_.sum};
+  std::vector<EditRow> rows;
+  rows.reserve(changed.size());
   for (auto& [id, touched] : changed) {
-    const auto row = rowOf(id, touched.like, touched.moved, after.instance(id));
-    totals.sum -= std::exchange(touched.checksum, checksumOf(row));
+    rows.push_back(rowOf(id, touched.like, touched.moved, after.instance(id)));
+    totals.sum -= std::exchange(touched.checksum, checksumOf(rows.back()));
     totals.sum += touched.checksum;
     if (!touched_.contains(id)) ++totals.rows;
   }
-  auto kept = write(changed, after, totals);
+  auto kept = database_->commit(rows, totals);
   bool repair = !kept && !database_->sound();
   if (kept) {
     kept = writeMark(totals);

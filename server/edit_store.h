@@ -59,8 +59,6 @@ class EditStore {
   Result<void> make(const SceneSnapshot& scene);
   Result<void> fill(const std::filesystem::path& folder, const SceneSnapshot& scene) const;
   Result<void> openMade();
-  Result<void> write(const TouchedObjects& changed, const SceneSnapshot& after,
-                     const EditTotals& totals);
   Result<void> writeMark(const EditTotals& totals);
   TouchedObjects touchedBy(const SceneSnapshot& before, std::span<const Edit> edits) const;
 

@@ -63,7 +63,8 @@ json usesJson(const std::vector<MethodUse>& uses) {
   return out;
 }
 
-/// What a tenant sees, by the names that it knows; its own scene hides the operator's of that name.
+/// What a tenant sees, by the names that it knows; its own scene hides the operator's of that name,
+/// also if it is damaged.
 std::map<std::string, SceneEntry> visibleScenes(const Grant& grant, Context& context) {
   std::map<std::string, SceneEntry> visible;
   for (auto& [stored, entry] : context.store.list()) {
@@ -71,6 +72,9 @@ std::map<std::string, SceneEntry> visibleScenes(const Grant& grant, Context& con
     const std::string name(publicName(stored));
     if (owner.empty()) visible.emplace(name, entry);
     if (owner == grant.tenant->name()) visible.insert_or_assign(name, entry);
+  }
+  for (const std::string& stored : context.store.damaged()) {
+    if (ownerOf(stored) == grant.tenant->name()) visible.erase(std::string(publicName(stored)));
   }
   return visible;
 }
@@ -95,21 +99,27 @@ json totals(const Metrics::Totals& t) {
           {"cull_seconds", t.cull_seconds}};
 }
 
+void addUse(json& out, const Scene& scene, const Context& context) {
+  std::size_t sessions = 0;
+  std::size_t views = 0;
+  for (const LivePeer* peer : context.live) {
+    if (peer->scene().get() != &scene) continue;
+    ++sessions;
+    views += peer->viewCount();
+  }
+  out["sessions"] = sessions;
+  out["views"] = views;
+  out["uses"] = usesJson(context.metrics.usesOf(scene.name()));
+}
+
+/// How busy the others are is not a tenant's business.
 HttpReply status(const Grant& grant, Context& context) {
+  const std::string& tenant = grant.tenant->name();
   json scenes = json::array();
   for (const auto& [name, entry] : visibleScenes(grant, context)) {
-    std::size_t sessions = 0;
-    std::size_t views = 0;
-    for (const LivePeer* peer : context.live) {
-      if (peer->scene() != entry.scene) continue;
-      ++sessions;
-      views += peer->viewCount();
-    }
     json scene = describeScene(name, entry);
-    scene["sessions"] = sessions;
-    scene["views"] = views;
     scene["plan"] = planJson(*entry.scene->current());
-    scene["uses"] = usesJson(context.metrics.usesOf(entry.scene->name()));
+    if (ownerOf(entry.scene->name()) == tenant) addUse(scene, *entry.scene, context);
     scenes.push_back(std::move(scene));
   }
   const auto up = std::chrono::duration<double>(context.clock.now() - context.started);
@@ -118,8 +128,7 @@ HttpReply status(const Grant& grant, Context& context) {
               {"draining", context.draining.load()},
               {"uptime_s", up.count()},
               {"scenes", std::move(scenes)}};
-  // How busy the others are is not a tenant's business.
-  if (grant.tenant->name().empty()) out["totals"] = totals(context.metrics.totals());
+  if (tenant.empty()) out["totals"] = totals(context.metrics.totals());
   return {200, "application/json", dump(out), {}};
 }
 
@@ -146,7 +155,7 @@ HttpReply objectTable(const std::string& name, const SceneEntry& entry) {
 
 HttpReply removeScene(const std::string& name, const Grant& grant, Context& context) {
   const std::string stored = ownedName(grant.tenant->name(), name);
-  if (context.store.find(stored) == nullptr && findScene(name, grant, context) != nullptr) {
+  if (!context.store.holds(stored) && findScene(name, grant, context) != nullptr) {
     context.metrics.authFailed("scope");
     return errorReply(403, "scene \"" + name + "\" is the operator's, not this tenant's");
   }
@@ -293,8 +302,8 @@ bool heavy(std::string_view method, const Route& route) noexcept {
 }
 
 std::shared_ptr<Scene> findScene(const std::string& name, const Grant& grant, Context& context) {
-  auto own = context.store.find(ownedName(grant.tenant->name(), name));
-  return own != nullptr ? own : context.store.find(name);
+  const std::string own = ownedName(grant.tenant->name(), name);
+  return context.store.find(context.store.holds(own) ? own : name);
 }
 
 HttpReply handleRequest(std::string_view method, const Route& route, const Grant& grant,
@@ -342,8 +351,9 @@ HttpReply handleRequest(std::string_view method, const Route& route, const Grant
 std::optional<HttpReply> refuseShare(const std::string& scene, const Grant& grant,
                                      Context& context) {
   const std::string& tenant = grant.tenant->name();
-  const auto names = context.store.names();
-  if (names.contains(ownedName(tenant, scene))) return std::nullopt;
+  if (context.store.holds(ownedName(tenant, scene))) return std::nullopt;
+  auto names = context.store.names();
+  names.merge(context.store.damaged());
   const auto held = std::count_if(names.begin(), names.end(), [&tenant](const std::string& name) {
     return ownerOf(name) == tenant;
   });

@@ -15,6 +15,8 @@
 #include "server/client_stream.h"
 #include "server/connections.h"
 #include "server/http_api.h"
+#include "server/request_log.h"
+#include "server/scene_names.h"
 
 namespace culld::server {
 namespace {
@@ -48,8 +50,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     stream_.handshake([self = shared_from_this()](beast::error_code failure) {
       if (!failure) return self->readHeader();
       self->context_.metrics.handshakeFailed();
-      self->context_.log.info("TLS handshake failed", {{"peer", peerName(self->socket().socket())},
-                                                       {"why", failure.message()}});
+      self->context_.log.info("TLS handshake failed",
+                              {{"peer", self->caller_.name}, {"why", failure.message()}});
       self->socket().close();
     });
   }
@@ -81,11 +83,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     route_ = routeOf(view(request.target()));
     keep_alive_ = request.keep_alive();
     version_ = request.version();
-    if (version_ >= 11 && request.count(http::field::host) != 1) {  // RFC 9112 section 3.2
-      return refuseBody(errorReply(
-          400,
-          "Host: " + std::to_string(request.count(http::field::host)) + " of them instead of one"));
-    }
+    if (auto refusal = refuseRepeated()) return refuseBody(*std::move(refusal));
     const bool uploads = route_.kind == Route::Kind::kScene && method_ == "PUT";
     if (uploads) {
       if (auto refusal = admission()) return refuseBody(*std::move(refusal));
@@ -106,18 +104,38 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     });
   }
 
+  /// Two of a header that says who asks, and of whom, could be read in two ways.
+  std::optional<HttpReply> refuseRepeated() const {
+    const auto& request = header_->get();
+    for (const http::field field :
+         {http::field::host, http::field::authorization, http::field::origin}) {
+      const std::size_t count = request.count(field);
+      const bool missing = count == 0 && field == http::field::host && version_ >= 11;
+      if (count <= 1 && !missing) continue;  // RFC 9112 section 3.2
+      return errorReply(400, std::string(view(http::to_string(field))) + ": " +
+                                 std::to_string(count) + " of them instead of one");
+    }
+    return std::nullopt;
+  }
+
+  /// A list may be spread over several lines (RFC 9110 section 5.3).
+  std::string offeredSubprotocols() const {
+    std::string all;
+    const auto lines = header_->get().equal_range(http::field::sec_websocket_protocol);
+    for (auto line = lines.first; line != lines.second; ++line) {
+      all += (all.empty() ? "" : ",") + std::string(view(line->value()));
+    }
+    return all;
+  }
+
   /// Learns who asks. The refusal, or the answer to a browser's question whether it may ask.
   std::optional<HttpReply> admission() {
     const auto& request = header_->get();
     const auto has = [&request](http::field field) { return request.count(field) > 0; };
-    RequestFacts facts{method_,
-                       route_,
-                       caller_.peer,
-                       stream_.tls(),
-                       view(request[http::field::host]),
-                       {},
-                       {},
-                       view(request[http::field::sec_websocket_protocol])};
+    const std::string offered = offeredSubprotocols();
+    RequestFacts facts{
+        method_, route_, caller_.peer, stream_.tls(), view(request[http::field::host]),
+        {},      {},     offered};
     if (has(http::field::origin))
       facts.origin = origin_.emplace(view(request[http::field::origin]));
     if (has(http::field::authorization))
@@ -180,8 +198,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void upgrade() {
     const auto& request = header_->get();
-    http::token_list offered(request[http::field::sec_websocket_protocol]);
-    if (!offered.exists(protocol::kSubprotocol)) {
+    const std::string offered = offeredSubprotocols();
+    if (!http::token_list(offered).exists(protocol::kSubprotocol)) {
       return reply(errorReply(400, "Sec-WebSocket-Protocol: \"" +
                                        std::string(protocol::kSubprotocol) +
                                        "\" is not among those offered"));
@@ -236,6 +254,14 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!header_->chunked() && !header_->content_length()) {
       return refuseBody(errorReply(411, inScene("an upload needs Content-Length or chunks")));
     }
+    const auto& request = header_->get();
+    if (header_->chunked() && !beast::iequals(request[http::field::transfer_encoding], "chunked")) {
+      return refuseBody(errorReply(501, inScene("Transfer-Encoding: only chunked is read here")));
+    }
+    if (request.count(http::field::content_encoding) > 0) {
+      return refuseBody(
+          errorReply(415, inScene("Content-Encoding: uploads are taken as they are")));
+    }
     const auto length = header_->content_length();
     if (length && *length > context_.limits.max_upload_bytes) return refuseBody(tooLarge());
     if (context_.draining) return refuseBody(errorReply(503, inScene("the server is draining")));
@@ -249,7 +275,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (!upload) return refuseBody(errorReply(inScene(upload.error())));
     upload_.emplace(std::move(upload).value());
     upload_started_ = context_.clock.now();
-    const bool waits = beast::iequals(header_->get()[http::field::expect], "100-continue");
+    const bool waits = beast::iequals(request[http::field::expect], "100-continue");
     body_.emplace(std::move(*header_));
     if (!waits) return readPart();
     auto go = std::make_shared<http::response<http::empty_body>>(http::status::continue_, version_);
@@ -323,41 +349,15 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   // --- reply -------------------------------------------------------------------------------------
 
-  /// Paths are without queries, and headers are not told: what lets somebody in may stand there.
-  void tell(const HttpReply& made) {
-    const auto peer = peerName(socket().socket());
-    if (made.status >= 400) {
-      const std::string path = route_.path.substr(0, 200);
-      if (made.status == 500) {
-        return context_.log.error("request failed", {{"method", method_},
-                                                     {"path", path},
-                                                     {"status", made.status},
-                                                     {"peer", peer},
-                                                     {"error", made.error}});
-      }
-      context_.log.info("request refused", {{"method", method_},
-                                            {"path", path},
-                                            {"status", made.status},
-                                            {"peer", peer},
-                                            {"error", made.error}});
-    } else if (method_ == "PUT") {
-      context_.log.info("scene uploaded", {{"scene", route_.scene},
-                                           {"peer", peer},
-                                           {"bytes", uploaded_bytes_},
-                                           {"replaced", made.status == 200}});
-    } else if (method_ == "DELETE") {
-      context_.log.info("scene removed", {{"scene", route_.scene}, {"peer", peer}});
-    } else {
-      context_.log.debug("request", {{"method", method_}, {"path", route_.path}, {"peer", peer}});
-    }
-  }
-
   void reply(HttpReply made) {
-    tell(made);
+    const std::string stored =
+        grant_.tenant == nullptr ? route_.scene : ownedName(grant_.tenant->name(), route_.scene);
+    logReply(context_.log, {method_, caller_.name, route_, stored, uploaded_bytes_}, made);
     context_.metrics.httpRequest(method_, made.status);
     if (origin_ && context_.access.listsOrigin(*origin_)) letOriginRead(*origin_, made);
-    if (made.status < 400 && grant_.tenant != nullptr)
+    if (made.status < 400 && grant_.tenant != nullptr && method_ != "HEAD") {
       grant_.tenant->sent(made.body.size(), context_.clock.now());
+    }
     response_.emplace(static_cast<http::status>(made.status), version_);
     response_->set(http::field::server, context_.server_name);
     response_->set(http::field::cache_control, "no-store");

@@ -31,8 +31,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
  public:
   LiveConnection(ClientStream stream, LiveRequest request, Context& context)
       : context_(context),
-        log_(std::make_shared<SessionLog>(peerName(stream.next_layer().socket()),
-                                          request.scene->name(), stream.get_executor(), context)),
+        log_(std::make_shared<SessionLog>(request.caller.name, request.scene->name(),
+                                          stream.get_executor(), context)),
         caller_(std::move(request.caller)),
         grant_(std::move(request.grant)),
         socket_(std::move(stream)),

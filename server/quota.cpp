@@ -77,11 +77,6 @@ void Tenant::setQuotas(const Quotas& quotas) {
   bytes_.setRate(quotas.bytes_per_s);
 }
 
-std::uint64_t Tenant::maxScenes() const {
-  const std::lock_guard lock(mutex_);
-  return quotas_.scenes;
-}
-
 void Tenant::culled(std::chrono::nanoseconds took, Time now) {
   const std::lock_guard lock(mutex_);
   cull_ns_.charge(static_cast<double>(took.count()), now);

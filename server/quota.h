@@ -62,7 +62,6 @@ class Tenant {
   /// Empty: the operator, who has no limits and whose scenes are everyone's to see.
   const std::string& name() const noexcept { return name_; }
   void setQuotas(const Quotas& quotas);
-  std::uint64_t maxScenes() const;
 
   void culled(std::chrono::nanoseconds took, Time now);
   void sent(std::size_t bytes, Time now);

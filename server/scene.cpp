@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "culling/planner/scene_profile.h"
+#include "server/scene_names.h"
 
 namespace culld::server {
 
@@ -95,9 +96,9 @@ Result<EditOutcome> applyRequest(const std::string& name, const EditRequest& req
                                  SnapshotPtr& scene, std::vector<ObjectId>& changed) {
   const std::uint64_t version = scene->version();
   if (request.expected_version != 0 && request.expected_version != version) {
-    return Error{ErrorCode::kUnavailable, "edit: scene \"" + name + "\" is at version " +
-                                              std::to_string(version) + ", not " +
-                                              std::to_string(request.expected_version)};
+    return Error{ErrorCode::kUnavailable, "edit: scene \"" + std::string(publicName(name)) +
+                                              "\" is at version " + std::to_string(version) +
+                                              ", not " + std::to_string(request.expected_version)};
   }
   auto edited = applyEdits(scene, request.edits);
   if (!edited) return edited.error();

@@ -18,8 +18,8 @@ using Seal = std::array<std::byte, kSealBytes>;
 /// 40 bytes before; little-endian.
 Seal makeSeal(std::uint64_t size, const Digest& digest);
 
-/// What the seal at the end of `file` covers. ERROR: kInvalidInput, one line without a name: "no
-/// seal of culld at the end ...", "byte 7 of ... ", which says what does not fit.
+/// What the seal at the end of `file` covers. ERROR: kInvalidInput, one line without a name, which
+/// says what does not fit.
 Result<std::span<const std::byte>> openSealed(std::span<const std::byte> file);
 
 }  // namespace culld::server

@@ -1,5 +1,6 @@
 #include "server/scene_store.h"
 
+#include "server/scene_names.h"
 #include "server/scene_seal.h"
 
 namespace culld::server {
@@ -96,24 +97,26 @@ Result<std::optional<std::string>> SceneStore::addFile(const std::string& name,
 }
 
 Result<bool> SceneStore::finishUpload(const std::string& name, Upload upload) {
+  const std::string shown(publicName(name));
   auto snapshot = [&]() -> Result<SnapshotPtr> {
     const auto file = MappedFile::open(upload.path());
     if (!file) return file.error();
     // From memory: what a stranger uploaded must not make the loader open other files.
-    return loadGltfBytes(file.value().bytes(), name, load_options_);
+    return loadGltfBytes(file.value().bytes(), shown, load_options_);
   }();
   if (!snapshot) return snapshot.error();
   const std::lock_guard lock(writers_);
   const std::shared_ptr<Scene> held = find(name);
   if (held == nullptr && list().size() >= max_scenes_) {
     // Not the upload's fault: with a scene less it is welcome.
-    return Error{ErrorCode::kUnavailable, "scene \"" + name + "\": " + std::to_string(max_scenes_) +
+    return Error{ErrorCode::kUnavailable, "scene \"" + shown +
+                                              "\": " + std::to_string(max_scenes_) +
                                               " scenes are held, and no more are taken"};
   }
   const auto serial = files_->commit(upload, name);
   if (!serial) {
     if (files_->halted() && held != nullptr) held->haltEdits("an upload could not be undone");
-    return Error{serial.error().code, "scene \"" + name + "\": " + serial.error().message};
+    return Error{serial.error().code, "scene \"" + shown + "\": " + serial.error().message};
   }
   const std::string key = keyOfUpload(serial.value());
   auto store = editsOf(name, key);
@@ -133,8 +136,9 @@ Result<bool> SceneStore::finishUpload(const std::string& name, Upload upload) {
 Result<std::shared_ptr<Scene>> SceneStore::remove(const std::string& name) {
   const std::lock_guard writing(writers_);
   auto scene = find(name);
-  if (scene == nullptr && !damaged().contains(name)) {
-    return Error{ErrorCode::kNotFound, "scene \"" + name + "\" is not known"};
+  if (!holds(name)) {
+    return Error{ErrorCode::kNotFound,
+                 "scene \"" + std::string(publicName(name)) + "\" is not known"};
   }
   if (auto erased = files_->erase(name); !erased) {
     if (files_->halted() && scene != nullptr) scene->haltEdits("a removal could not be undone");
@@ -152,6 +156,11 @@ std::shared_ptr<Scene> SceneStore::find(const std::string& name) const {
   const std::lock_guard lock(mutex_);
   const auto at = scenes_.find(name);
   return at == scenes_.end() ? nullptr : at->second.scene;
+}
+
+bool SceneStore::holds(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  return scenes_.contains(name) || damaged_.contains(name);
 }
 
 std::map<std::string, SceneEntry> SceneStore::list() const {

@@ -51,6 +51,8 @@ class SceneStore {
   void removeTemporaryFiles() { files_->removeTemporary(); }
 
   std::shared_ptr<Scene> find(const std::string& name) const;
+  /// Whether the name is taken, by a scene that is served or by a damaged one.
+  bool holds(const std::string& name) const;
   std::map<std::string, SceneEntry> list() const;
   std::set<std::string> names() const;
   /// Names that are not served because what is stored under them is damaged. An upload under such a
@@ -65,8 +67,8 @@ class SceneStore {
   Result<Loaded> load(const std::string& name, std::uint64_t serial) const;
   Result<void> loadStored(const std::string& name, std::uint64_t serial);
   std::unique_ptr<EditStore> editsOf(const std::string& name, const std::string& key);
-  /// Adds a new scene as its edits left it. ERROR: of the store.
   std::string setAside(const std::string& name, const Error& error);
+  /// Adds a new scene as its edits left it. ERROR: of the store.
   Result<void> addEdited(const std::string& name, const Loaded& loaded, const std::string& key);
 
   const std::unique_ptr<SceneFiles> files_;

@@ -53,13 +53,10 @@ Result<server::Config> readConfig(const ServeArguments& arguments, ExitCode& cod
   return server::merged(layers);
 }
 
-Result<void> checkAccess(const server::Config& config) {
+Result<void> checkListen(const server::Config& config) {
   const auto address = server::parseListen(config.listen);
   if (!address) return address.error();
-  if (auto safe = server::checkExposure(address.value().host, config.access, config.tls); !safe) {
-    return safe;
-  }
-  return server::checkAccess(config.access, config.tls);
+  return server::checkExposure(address.value().host, config.access, config.tls);
 }
 
 ExitCode mistakeIn(const server::Config& config) {

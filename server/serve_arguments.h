@@ -21,9 +21,9 @@ void addServeFlags(CLI::App& command, ServeArguments& arguments);
 /// File, environment and flags, as they are now. ERROR: one line; `code` is what to exit with.
 Result<server::Config> readConfig(const ServeArguments& arguments, ExitCode& code);
 
-/// Reads the files of [access] and [tls], and refuses a public address without them that was not
-/// allowed. ERROR: one line, a bad configuration.
-Result<void> checkAccess(const server::Config& config);
+/// Refuses a public address without tokens and TLS that was not allowed.
+/// ERROR: one line, a bad configuration.
+Result<void> checkListen(const server::Config& config);
 
 /// Whether everything was said on the command line: then a mistake in it is one of usage.
 ExitCode mistakeIn(const server::Config& config);

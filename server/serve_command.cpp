@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "culling/core/simd.h"
+#include "server/access.h"
 #include "server/server.h"
 
 namespace culld {
@@ -76,7 +77,7 @@ class Daemon {
   Daemon(const ServeArguments& arguments, server::Config config, server::Server& server,
          server::Log& log, const server::ServiceManager& manager, const sigset_t& signals)
       : arguments_(arguments),
-        config_(std::move(config)),
+        started_with_(std::move(config)),
         server_(server),
         log_(log),
         manager_(manager),
@@ -139,7 +140,7 @@ class Daemon {
       if (!access) config = access.error();
     }
     if (config) {
-      take(std::move(config).value());
+      take(config.value());
     } else {
       log_.error("configuration refused, the old one stays", {{"error", config.error().message}});
     }
@@ -147,15 +148,14 @@ class Daemon {
     tellReady();
   }
 
-  void take(server::Config config) {
-    const auto later = server::changedForRestart(config_, config);
+  void take(const server::Config& config) {
+    const auto later = server::changedForRestart(started_with_, config);
     log_.set(config.log);
     server_.setLimits(fittedToDescriptors(config.limits, log_));
     log_.info("configuration read");
     if (!later.empty()) {
       log_.warning("changed, but taken up at the next start only", {{"keys", joined(later)}});
     }
-    config_ = std::move(config);
   }
 
   void drain() {
@@ -182,7 +182,7 @@ class Daemon {
   }
 
   const ServeArguments& arguments_;
-  server::Config config_;
+  const server::Config started_with_;
   server::Server& server_;
   server::Log& log_;
   const server::ServiceManager& manager_;
@@ -216,7 +216,10 @@ int runServe(const ServeArguments& arguments) {
   if (auto forced = forceSimdTarget(config.value().simd); !forced) {
     return fail(mistakeIn(config.value()), forced.error().message);
   }
-  if (auto safe = checkAccess(config.value()); !safe) return fail(kConfig, safe.error().message);
+  // A file that the configuration names and that cannot be used is its mistake.
+  if (auto usable = server::checkAccess(config.value().access, config.value().tls); !usable) {
+    return fail(kConfig, usable.error().message);
+  }
   const auto log = server::Log::toStderr();
   log->set(config.value().log);
   auto options = optionsOf(config.value());
@@ -225,6 +228,10 @@ int runServe(const ServeArguments& arguments) {
   auto inherited = server::inheritedSockets();
   if (!inherited) return fail(kConfig, inherited.error().message);
   options.inherited = std::move(inherited).value();
+  // Of what others bind the server asks the sockets.
+  if (auto safe = checkListen(config.value()); options.inherited.empty() && !safe) {
+    return fail(kConfig, safe.error().message);
+  }
   const server::ServiceManager manager;
 
   std::signal(SIGPIPE, SIG_IGN);  // a reader of our log that goes away must not end the daemon

@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -16,8 +15,8 @@
 #include <sstream>
 #include <thread>
 
+#include "server/acceptor.h"
 #include "server/build_info.h"
-#include "server/connections.h"
 #include "server/context.h"
 
 namespace culld::server {
@@ -30,137 +29,6 @@ using boost::system::error_code;
 
 /// One can wait for the disk while another prepares a method for an edit.
 constexpr std::size_t kEditThreads = 2;
-
-Error cannotBind(const std::string& where, const error_code& failure) {
-  return {ErrorCode::kUnavailable, where + ": cannot listen: " + failure.message()};
-}
-
-/// Accepts for ever; each socket of either family is served as the same kind of stream.
-template <typename Protocol>
-class Acceptor {
- public:
-  Acceptor(asio::io_context& io, Context& context) : acceptor_(io), retry_(io), context_(context) {}
-
-  Result<void> listen(const typename Protocol::endpoint& endpoint, const std::string& where) {
-    error_code failure;
-    acceptor_.open(endpoint.protocol(), failure);
-    if (!failure) acceptor_.set_option(asio::socket_base::reuse_address(true), failure);
-    if (!failure) acceptor_.bind(endpoint, failure);
-    if (!failure) acceptor_.listen(asio::socket_base::max_listen_connections, failure);
-    if (!failure) return Done{};
-    close();  // an open acceptor owns its socket file
-    return cannotBind(where, failure);
-  }
-
-  /// A socket that listens already.
-  Result<void> adopt(const InheritedSocket& socket) {
-    error_code failure;
-    if constexpr (std::is_same_v<Protocol, tcp>) {
-      acceptor_.assign(socket.family == AF_INET ? tcp::v4() : tcp::v6(), socket.descriptor,
-                       failure);
-    } else {
-      acceptor_.assign(Protocol(), socket.descriptor, failure);
-    }
-    if (!failure) return Done{};
-    return cannotBind("descriptor " + std::to_string(socket.descriptor), failure);
-  }
-
-  void accept() {
-    acceptor_.async_accept([this](error_code failure, typename Protocol::socket socket) {
-      if (failure == asio::error::operation_aborted) return;
-      if (failure) return acceptLater();  // out of descriptors, say: the next may work
-      serve(std::move(socket));
-      accept();
-    });
-  }
-
-  void close() {
-    error_code ignored;  // nothing is left to be done about it
-    acceptor_.close(ignored);
-    retry_.cancel();
-  }
-
-  auto localEndpoint() const { return acceptor_.local_endpoint(); }
-
- private:
-  void acceptLater() {
-    retry_.expires_after(std::chrono::milliseconds(50));
-    retry_.async_wait([this](error_code failure) {
-      if (!failure) accept();
-    });
-  }
-
-  void serve(typename Protocol::socket socket) {
-    const Peer peer = peerOf(socket);
-    if (!context_.access.mayConnect(peer)) {
-      context_.metrics.authFailed("peer");
-      context_.log.info("connection refused",
-                        {{"why", "not among unix_users"}, {"user", peer.user}});
-      return refuse(std::move(socket), "403 Forbidden",
-                    "user " + std::to_string(peer.user) + " may not use this socket");
-    }
-    if (context_.metrics.totals().connections >=
-        static_cast<double>(context_.limits.max_connections)) {
-      return refuseMore(std::move(socket), context_.limits.max_connections, "");
-    }
-    AddressTicket ticket;
-    if constexpr (std::is_same_v<Protocol, tcp>) {
-      error_code ignored;  // a socket that is gone already fails at its first read
-      socket.set_option(tcp::no_delay(true), ignored);
-      const std::size_t limit = context_.limits.max_connections_per_address;
-      ticket = context_.addresses.enter(source(socket.remote_endpoint(ignored).address()), limit);
-      if (!ticket) return refuseMore(std::move(socket), limit, " from this address");
-    }
-    serveHttp(StreamSocket(std::move(socket)), {peer, std::move(ticket)}, context_);
-  }
-
-  static Peer peerOf(typename Protocol::socket& socket) {
-    if constexpr (std::is_same_v<Protocol, tcp>) return {};
-    ucred who{};
-    socklen_t size = sizeof who;
-    // A peer that the kernel cannot name is nobody.
-    if (::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &who, &size) != 0) {
-      who.uid = static_cast<uid_t>(-1);
-    }
-    return {true, who.uid};
-  }
-
-  /// An IPv6 host commonly has all 2^64 addresses of its network.
-  static std::string source(asio::ip::address address) {
-    if (address.is_v4()) return address.to_string();
-    auto bytes = address.to_v6().to_bytes();
-    if (address.to_v6().is_v4_mapped())
-      return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
-    std::fill(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
-    return asio::ip::make_address_v6(bytes).to_string();
-  }
-
-  void refuseMore(typename Protocol::socket socket, std::size_t limit, const std::string& whence) {
-    context_.metrics.connectionRefused();
-    context_.log.warning("connection refused",
-                         {{"why", "too many connections" + whence}, {"limit", limit}});
-    refuse(std::move(socket), "503 Service Unavailable\r\nRetry-After: 1",
-           "too many connections" + whence + ": " + std::to_string(limit) +
-               " are open, and no more are taken");
-  }
-
-  void refuse(typename Protocol::socket socket, const std::string& status, const std::string& why) {
-    // Who speaks TLS could make nothing of it.
-    if (std::is_same_v<Protocol, tcp> && context_.tls != nullptr) return;
-    const std::string body = "{\"error\":\"" + why + "\"}\n";
-    const std::string reply = "HTTP/1.1 " + status +
-                              "\r\nConnection: close\r\n"
-                              "Content-Type: application/json\r\nContent-Length: " +
-                              std::to_string(body.size()) + "\r\n\r\n" + body;
-    error_code ignored;  // a courtesy: who is not reading gets a closed socket
-    socket.non_blocking(true, ignored);
-    socket.write_some(asio::buffer(reply), ignored);
-  }
-
-  typename Protocol::acceptor acceptor_;
-  asio::steady_timer retry_;
-  Context& context_;
-};
 
 /// A socket file that nobody answers on is left over from a process that was killed.
 void removeStaleSocket(const std::string& path, asio::io_context& io) {
@@ -382,10 +250,15 @@ Result<void> Server::reloadAccess(const AccessOptions& access, const TlsOptions&
   }
   // All is read before anything is changed.
   if (auto r = impl.exposure(access, tls); !r) return r;
-  if (auto r = checkAccess(access, tls); !r) return r;
+  std::unique_ptr<TlsKeys> keys;
+  if (tls.enabled()) {
+    auto opened = TlsKeys::open(tls);
+    if (!opened) return opened.error();
+    keys = std::move(opened).value();
+  }
   if (auto r = impl.access->reload(access); !r) return r;
-  if (impl.tls != nullptr) {
-    if (auto r = impl.tls->reload(tls); !r) return r;
+  if (keys != nullptr) {
+    impl.tls->take(std::move(*keys));
     impl.metrics.certificateExpires(impl.tls->expires());
   }
   asio::post(impl.io, [&context = impl.context] { context.accessChanged(); });

@@ -62,7 +62,8 @@ class Server {
   /// Reads tokens, users, origins and certificate anew. What was withdrawn ends its live sessions;
   /// new connections get the new certificate, old ones live on.
   /// GUARANTEES: after an error all is as it was. ERROR: as checkAccess() (server/access.h);
-  /// kUnsupported: TLS cannot come or go while the server runs. THREADS: any.
+  /// kUnsupported: TLS cannot come or go while the server runs. THREADS: the one that called
+  /// start().
   Result<void> reloadAccess(const AccessOptions& access, const TlsOptions& tls);
 
   /// Stops accepting, tells clients, lets work in flight finish (limits.drain_timeout), returns.

@@ -68,8 +68,8 @@ function showRates(now, seconds) {
 // What each method did for a scene since the last reply; with nothing new, nothing.
 function gains(scene) {
   const before = last && last.scenes.find(s => s.name === scene.name);
-  return scene.uses.map(use => {
-    const then = before && before.uses.find(u => u.method === use.method);
+  return (scene.uses || []).map(use => {
+    const then = before && (before.uses || []).find(u => u.method === use.method);
     const gain = key => use[key] - (then ? then[key] : before ? 0 : use[key]);
     return {method: use.method, answers: gain('answers'), objects: gain('objects'), cull_seconds: gain('cull_seconds')};
   }).filter(gain => gain.answers > 0);
@@ -78,7 +78,7 @@ function sceneRow(s, seconds) {
   const used = gains(s), sum = key => used.reduce((all, gain) => all + gain[key], 0), answers = sum('answers');
   const shares = used.sort((a, b) => b.answers - a.answers)
     .map(gain => gain.method + ' ' + Math.round(100 * gain.answers / answers) + ' %');
-  return [s.name, s.objects, s.triangles, s.version, s.sessions, s.views,
+  return [s.name, s.objects, s.triangles, s.version, s.sessions ?? none, s.views ?? none,
     seconds > 0 ? Math.round(answers / seconds) : 0, milliseconds(sum('cull_seconds'), answers),
     each(sum('objects'), answers), shares.join(', ') || none];
 }

@@ -51,12 +51,9 @@ Result<std::unique_ptr<TlsKeys>> TlsKeys::open(const TlsOptions& options) {
   return std::unique_ptr<TlsKeys>(new TlsKeys(std::move(keys).value()));
 }
 
-Result<void> TlsKeys::reload(const TlsOptions& options) {
-  auto keys = read(options);
-  if (!keys) return keys.error();
-  const std::lock_guard lock(mutex_);
-  keys_ = std::move(keys).value();
-  return Done{};
+void TlsKeys::take(TlsKeys&& fresh) {
+  const std::scoped_lock lock(mutex_, fresh.mutex_);
+  keys_ = std::move(fresh.keys_);
 }
 
 Result<TlsKeys::Keys> TlsKeys::read(const TlsOptions& options) {

@@ -24,8 +24,7 @@ class TlsKeys {
   ~TlsKeys();
 
   /// New connections get the new ones, old connections live on with theirs.
-  /// GUARANTEES: after an error all is as it was. ERROR: as open().
-  Result<void> reload(const TlsOptions& options);
+  void take(TlsKeys&& fresh);
   /// For the next connection.
   std::shared_ptr<TlsContext> current() const;
   /// When the certificate ends, as seconds since 1970.

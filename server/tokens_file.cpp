@@ -3,9 +3,6 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <set>
 
 #include "protocol/text.h"
@@ -189,18 +186,9 @@ Result<TokensFile> parseTokens(std::string_view text, const std::string& name) {
 }
 
 Result<TokensFile> readTokens(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(kMaxFileBytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!file && !file.eof()) {
-    return Error{ErrorCode::kIo, path + ": cannot read: " + std::strerror(errno)};
-  }
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  if (text.size() > kMaxFileBytes) {
-    return Error{ErrorCode::kLimit,
-                 path + ": larger than " + std::to_string(kMaxFileBytes) + " bytes"};
-  }
-  return parseTokens(text, path);
+  const auto text = readSmallFile(path, kMaxFileBytes);
+  if (!text) return text.error();
+  return parseTokens(text.value(), path);
 }
 
 }  // namespace culld::server

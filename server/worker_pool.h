@@ -26,7 +26,6 @@ class WorkerPool {
   /// `payer` is the name of the tenant for whom it is done.
   /// REQUIRES: work does not throw. THREADS: any.
   void post(std::string payer, std::function<void()> work);
-  std::size_t threadCount() const noexcept { return threads_.size(); }
 
  private:
   void run();

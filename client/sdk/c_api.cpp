@@ -2,15 +2,11 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <functional>
 #include <memory>
 #include <new>
-#include <string>
-#include <type_traits>
 #include <utility>
 
-#include "culld/client.h"
-#include "culld/connection.h"
+#include "client/sdk/c_types.h"
 
 using namespace culld::client;  // NOLINT(google-build-using-namespace): not a header
 
@@ -25,30 +21,6 @@ struct culld_frame {
 };
 
 namespace {
-
-culld_code codeOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kInvalidInput:
-      return CULLD_INVALID_INPUT;
-    case ErrorCode::kUnsupported:
-      return CULLD_UNSUPPORTED;
-    case ErrorCode::kNotFound:
-      return CULLD_NOT_FOUND;
-    case ErrorCode::kLimit:
-      return CULLD_LIMIT;
-    case ErrorCode::kIo:
-      return CULLD_IO;
-    case ErrorCode::kUnavailable:
-      return CULLD_UNAVAILABLE;
-    case ErrorCode::kForbidden:
-      return CULLD_FORBIDDEN;
-    case ErrorCode::kCancelled:
-      return CULLD_CANCELLED;
-    case ErrorCode::kDeadline:
-      return CULLD_DEADLINE;
-  }
-  return CULLD_UNAVAILABLE;
-}
 
 culld_code tell(culld_error* error, culld_code code, const char* message) {
   if (error == nullptr) return code;
@@ -81,136 +53,6 @@ void guarded(Task task) noexcept {
     task();
     return CULLD_OK;
   });
-}
-
-/// As much of a struct as both sides know. REQUIRES: its first member is its size.
-template <typename T>
-T taken(const T* given, const T& defaults) {
-  static_assert(std::is_trivially_copyable_v<T> && offsetof(T, size) == 0);
-  T known = defaults;
-  if (given == nullptr) return known;
-  std::memcpy(&known, given, std::min(given->size, sizeof(T)));
-  return known;
-}
-
-template <typename T>
-void given(T* target, std::size_t size, T source) {
-  if (target == nullptr) return;
-  source.size = std::min(size, sizeof(T));
-  std::memcpy(target, &source, source.size);
-}
-
-std::uint32_t milliseconds(std::chrono::milliseconds time) {
-  return static_cast<std::uint32_t>(time.count());
-}
-
-culld_options defaultOptions() {
-  const ConnectOptions d;
-  culld_options o{};
-  o.size = sizeof o;
-  o.connect_ms = milliseconds(d.timeouts.connect);
-  o.reply_ms = milliseconds(d.timeouts.reply);
-  o.idle_ms = milliseconds(d.timeouts.idle);
-  o.reconnect = d.reconnect.enabled ? 1 : 0;
-  o.reconnect_first_ms = milliseconds(d.reconnect.first);
-  o.reconnect_longest_ms = milliseconds(d.reconnect.longest);
-  o.reconnect_factor = d.reconnect.factor;
-  o.reconnect_jitter = d.reconnect.jitter;
-  o.reconnect_max_attempts = d.reconnect.max_attempts;
-  return o;
-}
-
-ConnectOptions optionsOf(const culld_options& o) {
-  using Ms = std::chrono::milliseconds;
-  ConnectOptions options;
-  options.timeouts = {Ms(o.connect_ms), Ms(o.reply_ms), Ms(o.idle_ms)};
-  options.reconnect = {o.reconnect != 0,   Ms(o.reconnect_first_ms), Ms(o.reconnect_longest_ms),
-                       o.reconnect_factor, o.reconnect_jitter,       o.reconnect_max_attempts};
-  if (o.token != nullptr) options.access.token = o.token;
-  if (o.ca_file != nullptr) options.access.ca_file = o.ca_file;
-  return options;
-}
-
-culld_camera defaultCamera() {
-  const culld::protocol::LookAt look;
-  const Camera d;
-  culld_camera c{};
-  c.size = sizeof c;
-  std::copy(look.eye.begin(), look.eye.end(), c.eye);
-  std::copy(look.target.begin(), look.target.end(), c.target);
-  std::copy(look.up.begin(), look.up.end(), c.up);
-  c.yfov_rad = look.yfov_rad;
-  c.aspect = look.aspect;
-  c.znear_m = look.znear_m;
-  for (const std::size_t i : {0U, 5U, 10U, 15U}) c.view[i] = c.projection[i] = 1.0;
-  c.width_px = d.width_px;
-  c.height_px = d.height_px;
-  return c;
-}
-
-/// ERROR: kInvalidInput: of no kind.
-Result<Camera> cameraOf(const culld_camera* asked) {
-  if (asked == nullptr) return culld::protocol::invalidInput("camera: NULL");
-  const culld_camera c = taken(asked, defaultCamera());
-  Camera camera;
-  if (c.kind == CULLD_LOOK_AT) {
-    culld::protocol::LookAt look;
-    std::copy(std::begin(c.eye), std::end(c.eye), look.eye.begin());
-    std::copy(std::begin(c.target), std::end(c.target), look.target.begin());
-    std::copy(std::begin(c.up), std::end(c.up), look.up.begin());
-    look.yfov_rad = c.yfov_rad;
-    look.aspect = c.aspect;
-    look.znear_m = c.znear_m;
-    if (c.zfar_m != 0.0) look.zfar_m = c.zfar_m;
-    camera.pose = look;
-  } else if (c.kind == CULLD_MATRICES) {
-    culld::protocol::Matrices matrices;
-    std::copy(std::begin(c.view), std::end(c.view), matrices.view.begin());
-    std::copy(std::begin(c.projection), std::end(c.projection), matrices.projection.begin());
-    camera.pose = matrices;
-  } else {
-    return culld::protocol::invalidInput("camera.kind: " + std::to_string(c.kind));
-  }
-  camera.width_px = c.width_px;
-  camera.height_px = c.height_px;
-  camera.radius_m = c.radius_m;
-  camera.angle_rad = c.angle_rad;
-  return camera;
-}
-
-/// ERROR: kInvalidInput: no such guarantee.
-Result<Demand> demandOf(const culld_demand* asked) {
-  const culld_demand d = taken(asked, culld_demand{sizeof(culld_demand), 0, 0.0F, 0.0F, 0});
-  if (d.guarantee < CULLD_CONSERVATIVE || d.guarantee > CULLD_APPROXIMATE) {
-    return culld::protocol::invalidInput("demand.guarantee: " + std::to_string(d.guarantee));
-  }
-  return Demand{static_cast<Guarantee>(d.guarantee), d.hole_px, d.accepted_missed_px, d.time_us};
-}
-
-culld_scene_info infoOf(const SceneInfo& scene) {
-  culld_scene_info info{};
-  info.size = sizeof info;
-  info.version = scene.version;
-  info.content_hash = scene.content_hash;
-  info.triangles = scene.triangles;
-  info.objects = scene.objects;
-  return info;
-}
-
-/// ERROR: kInvalidInput: of no kind.
-Result<std::vector<EditItem>> editsOf(const culld_edit_item* items, std::size_t count) {
-  std::vector<EditItem> edits(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (items[i].kind < CULLD_MOVE || items[i].kind > CULLD_ADD) {
-      return culld::protocol::invalidInput("edit " + std::to_string(i) +
-                                           ": kind: " + std::to_string(items[i].kind));
-    }
-    edits[i].kind = static_cast<culld::protocol::EditKind>(items[i].kind);
-    edits[i].object = items[i].object;
-    std::copy(std::begin(items[i].world_from_mesh), std::end(items[i].world_from_mesh),
-              edits[i].world_from_mesh.begin());
-  }
-  return edits;
 }
 
 void passOn(culld_on_answer callback, void* user, const Result<FramePtr>& answer) {
@@ -317,9 +159,7 @@ culld_code culld_edit(culld_connection* connection, const culld_edit_item* items
 
 void culld_camera_init(culld_camera* camera, size_t size) { given(camera, size, defaultCamera()); }
 
-void culld_demand_init(culld_demand* demand, size_t size) {
-  given(demand, size, culld_demand{sizeof(culld_demand), CULLD_CONSERVATIVE, 0.0F, 0.0F, 0});
-}
+void culld_demand_init(culld_demand* demand, size_t size) { given(demand, size, defaultDemand()); }
 
 culld_code culld_open_view(culld_connection* connection, const char* method, int32_t want_seen,
                            culld_view** view, culld_error* error) {

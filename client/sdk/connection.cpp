@@ -178,6 +178,6 @@ const std::string& View::method() const { return state_->method; }
 
 Guarantee View::guarantee() const { return state_->guarantee; }
 
-View::State::~State() { connection->closeView(number); }
+View::State::~State() { connection->closeView(*this); }
 
 }  // namespace culld::client

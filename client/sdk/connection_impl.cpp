@@ -191,23 +191,28 @@ std::uint64_t Connection::Impl::setCamera(const ViewPtr& view, const Camera& cam
   if (refused) {
     callback(*refused);
   } else {
-    link.post([this] {
-      std::unique_lock lock(mutex);
-      const Calls calls = std::exchange(passed_over_, {});
-      lock.unlock();
-      makeAll(calls);
-    });
+    tellPassedOver();
   }
   return number;
 }
 
+void Connection::Impl::tellPassedOver() {
+  link.post([this] {
+    std::unique_lock lock(mutex);
+    const Calls calls = std::exchange(passed_over_, {});
+    lock.unlock();
+    makeAll(calls);
+  });
+}
+
 /// The newest camera, which all that wait are content with.
-void Connection::Impl::askLast(View::State& view, std::uint32_t acknowledged) {
+std::uint64_t Connection::Impl::askLast(View::State& view, std::uint32_t acknowledged) {
   view.last->ack_frame = acknowledged;
   const std::uint64_t id = say(*view.last);
-  if (view.pending.empty()) return;
+  if (view.pending.empty()) return id;
   view.pending.back().request = id;
   view.pending.back().acknowledged = acknowledged;
+  return id;
 }
 
 void Connection::Impl::cancel(View::State& view) {
@@ -239,10 +244,19 @@ void Connection::Impl::openView(const ViewPtr& view, OnView callback) {
           });
 }
 
-void Connection::Impl::closeView(std::uint32_t number) {
-  const std::lock_guard lock(mutex);
-  views.erase(number);
-  if (state == ConnectionState::kConnected) say(protocol::CloseView{number});
+void Connection::Impl::closeView(View::State& view) {
+  {
+    const std::lock_guard lock(mutex);
+    views.erase(view.number);
+    if (state == ConnectionState::kConnected) say(protocol::CloseView{view.number});
+    if (view.pending.empty()) return;
+    for (auto& pending : std::exchange(view.pending, {})) {
+      passed_over_.push_back([answer = std::move(pending.answer), who = name] {
+        answer(Error{ErrorCode::kCancelled, who + ": the view was closed"});
+      });
+    }
+  }
+  tellPassedOver();
 }
 
 std::vector<Connection::Impl::ViewPtr> Connection::Impl::livingViews() {
@@ -264,9 +278,10 @@ void Connection::Impl::giveUp(const Error& why, bool cameras_too, Calls& calls) 
   for (const ViewPtr& view : livingViews()) {
     view->open = false;
     view->refused.reset();
-    view->asked_again = false;
+    view->whole_request = 0;
     view->history.forgetAll();
     calls.push_back([view] {});  // released after the lock: its end takes the lock
+    for (auto& pending : view->pending) pending.request = 0;
     if (!cameras_too) continue;
     for (auto& pending : std::exchange(view->pending, {})) {
       calls.push_back([answer = std::move(pending.answer), why] { answer(why); });

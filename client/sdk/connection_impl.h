@@ -26,7 +26,7 @@ Error errorOf(const protocol::ErrorReply& reply);
 
 struct View::State {
   struct Pending {
-    std::uint64_t request = 0;  ///< 0: waits for a connection
+    std::uint64_t request = 0;  ///< on the connection of now; 0: an earlier one's, or none yet
     std::uint64_t camera = 0;
     std::uint32_t acknowledged = 0;
     OnAnswer answer;
@@ -51,7 +51,7 @@ struct View::State {
   std::optional<protocol::CameraUpdate> last;
   std::uint64_t last_camera = 0;
   std::uint32_t deadline_us = 0;
-  bool asked_again = false;  ///< the last answer did not fit, a whole one is under way
+  std::uint64_t whole_request = 0;  ///< an answer did not fit, and a whole one was asked for; 0: no
   OnFrame callback;
 };
 
@@ -74,7 +74,8 @@ struct Connection::Impl : std::enable_shared_from_this<Connection::Impl> {
                           OnAnswer callback);
   void cancel(View::State& view);
   void openView(const ViewPtr& view, OnView callback);
-  void closeView(std::uint32_t number);
+  /// What still waits is told that the view was closed.
+  void closeView(View::State& view);
 
   std::mutex mutex;
   const std::string name;  ///< the address, for messages
@@ -102,12 +103,13 @@ struct Connection::Impl : std::enable_shared_from_this<Connection::Impl> {
   void sceneChanged(const protocol::SceneChanged& change);
   std::optional<std::chrono::milliseconds> lost(const Error& error);
   void finished();
+  void tellPassedOver();
   void tellState(ConnectionState now, const Error& reason);
   void tellScene(const SceneInfo& now, bool replaced);
 
   // Under the lock.
   std::uint64_t say(protocol::Body body);
-  void askLast(View::State& view, std::uint32_t acknowledged);
+  std::uint64_t askLast(View::State& view, std::uint32_t acknowledged);
   std::vector<ViewPtr> livingViews();
   void giveUp(const Error& why, bool cameras_too, Calls& calls);
   std::optional<std::chrono::milliseconds> nextAttempt(const Error& error);
@@ -118,7 +120,7 @@ struct Connection::Impl : std::enable_shared_from_this<Connection::Impl> {
   std::uint64_t hello_ = 0;  ///< the request
   std::uint64_t next_request_ = 1;
   std::map<std::uint64_t, OnReply> waiting_;
-  Calls passed_over_;  ///< of cameras, on their way to the link's thread
+  Calls passed_over_;  ///< of cameras, on their way to the link's thread: tellPassedOver()
   std::chrono::steady_clock::time_point connected_since_;
   std::optional<Error> ended_;  ///< why no more answers will come
   std::string going_away_;      ///< the server's reason

@@ -1,5 +1,6 @@
 // What the server says to a Connection::Impl.
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "client/sdk/connection_impl.h"
@@ -7,6 +8,27 @@
 #include "protocol/limits.h"
 
 namespace culld::client {
+namespace {
+
+/// Whether the server says so of a camera before it takes the place of an older one.
+bool refusedOnArrival(protocol::WireCode code) {
+  using protocol::WireCode;
+  switch (code) {
+    case WireCode::kBadMessage:
+    case WireCode::kUnknownView:
+    case WireCode::kInvalidCamera:
+    case WireCode::kInvalidDemand:
+    case WireCode::kLimitExceeded:
+    case WireCode::kForbidden:
+    case WireCode::kQuotaExceeded:
+    case WireCode::kUnavailable:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
 
 void Connection::Impl::received(std::span<const std::uint8_t> bytes) {
   auto message = protocol::decode(bytes, protocol::kMaxReplyBytes);
@@ -58,10 +80,15 @@ void Connection::Impl::answered(std::uint64_t request, const protocol::Answer& a
     }
     frame = view->history.apply(answer, camera, wire_bytes);
     if (!frame) {
+      if (request < view->whole_request)
+        return;  // built on what was forgotten; the whole is coming
       ++view->misfits;
-      if (view->last && !std::exchange(view->asked_again, true)) return askLast(*view, 0);
+      if (view->last && view->whole_request == 0) {
+        view->whole_request = askLast(*view, 0);
+        return;
+      }
     }
-    view->asked_again = false;
+    view->whole_request = 0;
     if (frame) {
       view->newest = frame.value();
       callback = view->callback;
@@ -78,26 +105,27 @@ void Connection::Impl::answered(std::uint64_t request, const protocol::Answer& a
 }
 
 void Connection::Impl::failed(std::uint64_t request, const protocol::ErrorReply& reply) {
-  using protocol::WireCode;
   std::vector<ViewPtr> held;  // released after the lock
   std::vector<OnAnswer> refused;
   {
     const std::lock_guard lock(mutex);
     // Said on the way out: the next connection asks again.
-    const bool later =
-        reply.code == WireCode::kUnavailable && !going_away_.empty() && options.reconnect.enabled;
+    const bool later = reply.code == protocol::WireCode::kUnavailable && !going_away_.empty() &&
+                       options.reconnect.enabled;
     if (later) return;
-    // A camera that had passed over older ones takes them along; one that was never let in does
-    // not.
-    const bool older_too =
-        reply.code == WireCode::kCancelled || reply.code == WireCode::kDeadlineExceeded;
     held = livingViews();
     for (const ViewPtr& view : held) {
       auto& pending = view->pending;
       const auto at = std::find_if(pending.begin(), pending.end(),
                                    [request](const auto& p) { return p.request == request; });
       if (at == pending.end()) continue;
-      const auto first = older_too ? pending.begin() : at;
+      // A camera that had passed over older ones takes them along; one that was not let in only
+      // those that it was to stand for on a new connection.
+      auto first = at;
+      while (first != pending.begin() &&
+             (!refusedOnArrival(reply.code) || std::prev(first)->request == 0)) {
+        --first;
+      }
       for (auto it = first; it != at + 1; ++it) refused.push_back(std::move(it->answer));
       pending.erase(first, at + 1);
     }

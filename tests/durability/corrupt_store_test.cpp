@@ -123,8 +123,8 @@ TEST_F(CorruptStoreTest, AFlippedBitIsFoundOrChangesNothing) {
       refused += verdict == Verdict::kRefused ? 1U : 0U;
       ++tried;
     }
-    // Of the mark's two places one is enough.
-    EXPECT_GE(refused * 2, file == kFiles[2] ? 0 : tried) << file << ": " << refused;
+    if (file == kFiles[2]) continue;  // of the mark's two places one is enough
+    EXPECT_GE(refused * 2, tried) << file << ": " << refused;
   }
 }
 

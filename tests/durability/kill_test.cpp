@@ -100,6 +100,7 @@ class Owner {
   /// Some edits, sent without waiting for each other.
   bool edit() {
     LiveClient client(daemon_.connect(), name_);
+    EXPECT_TRUE(client.upgradeStatus() == 0 || client.upgradeStatus() == 101) << name_;
     if (client.upgradeStatus() == 0 || !client.hello()) return false;
     for (std::uint32_t rounds = 1 + random_.below(20); rounds > 0; --rounds) {
       const std::uint32_t together = 1 + random_.below(5);
@@ -146,6 +147,7 @@ class Crowd {
       mine.push_back(id);
     }
     LiveClient client(daemon_.connect(), "crowd");
+    EXPECT_TRUE(client.upgradeStatus() == 0 || client.upgradeStatus() == 101) << "crowd";
     if (client.upgradeStatus() == 0 || !client.hello()) return;
     const SnapshotPtr base = acknowledged_;
     for (;;) {

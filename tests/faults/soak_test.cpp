@@ -84,7 +84,11 @@ class Soak : public ServerTest {
   /// Connects, opens views, asks, and leaves: now with a goodbye, now without.
   void visit(const std::string& scene, Random& random, Diary& diary) const {
     LiveClient client(socket(), scene);
-    if (client.upgradeStatus() == 404) return;  // the guest is between two lives
+    const bool stays = scene == "city";  // the guest comes and goes
+    const auto lost = [&](const char* what) {
+      if (stays) diary.faults.push_back(std::string("city: ") + what);
+    };
+    if (client.upgradeStatus() == 404) return lost("not known");
     if (client.upgradeStatus() != 101 || !client.hello()) {
       return diary.faults.push_back("no session with " + scene);
     }
@@ -92,14 +96,14 @@ class Soak : public ServerTest {
     std::map<std::uint32_t, std::map<std::uint32_t, wire::IdSet>> held;
     std::vector<std::uint32_t> acks(views + 1, 0);
     for (std::uint32_t view = 1; view <= views; ++view) {
-      if (!client.openView(view)) return;  // removed meanwhile
+      if (!client.openView(view)) return lost("no view");
     }
     for (int i = 0; i < 12; ++i) {
       const std::uint32_t view = 1 + random.below(views);
       const auto asked = SteadyClock::now();
       client.send(cameraOf(random, view, acks[view]));
       const auto answer = client.await<wire::Answer>();
-      if (!answer) return;
+      if (!answer) return lost("no answer");
       diary.round_trips_ms.push_back(
           std::chrono::duration<double, std::milli>(SteadyClock::now() - asked).count());
       if (answer->baseline != 0 && !held[view].contains(answer->baseline)) {
@@ -111,7 +115,7 @@ class Soak : public ServerTest {
         return diary.faults.push_back("a set that does not add up");
       }
       held[view][answer->frame] = std::move(set).value();
-      acks[view] = scene == "city" ? answer->frame : 0;  // the guest may be another by now
+      acks[view] = stays ? answer->frame : 0;  // the guest may be another by now
     }
     if (random.chance(0.5)) client.sendFrame(8, "\x03\xe8");
   }
@@ -158,7 +162,7 @@ class Soak : public ServerTest {
       all.round_trips_ms.insert(all.round_trips_ms.end(), one.round_trips_ms.begin(),
                                 one.round_trips_ms.end());
     }
-    awaitNoConnections(std::chrono::seconds(5));
+    EXPECT_TRUE(awaitNoConnections(std::chrono::seconds(5)));
     return all;
   }
 

@@ -1,20 +1,7 @@
 #!/usr/bin/env bash
 # The configuration of a daemon: file, environment, flags; check-config; SIGHUP; log lines.
 # usage: config_test.sh BIN_DIR
-set -euo pipefail
-bin=$1
-work=$(mktemp -d "${TMPDIR:-/tmp}/culld_config.XXXXXX")
-daemon=''
-clean_up() {
-  [ -z "$daemon" ] || kill -KILL "$daemon" 2>/dev/null || true
-  rm -rf "$work"
-}
-trap clean_up EXIT
-die() {
-  echo "FAILED: $*" >&2
-  [ ! -f "$work/log" ] || cat "$work/log" >&2
-  exit 1
-}
+source "$(dirname "${BASH_SOURCE[0]}")/own_daemon.sh"
 
 # refused CODE LINE ARGUMENTS...: culld ends with CODE and says exactly LINE on stderr.
 refused() {

@@ -16,6 +16,14 @@ visible() {
   ctl cull rows --cameras "$work/rows.json" --method frustum -o "$work/a.json" || die "cull"
   python3 -c 'import json, sys; f = json.load(open(sys.argv[1]))["frames"][0]; print(f["visible"], json.dumps(f.get("instances", {})))' "$work/a.json"
 }
+# await_lines FILE WORDS N: N lines of FILE hold WORDS, at last.
+await_lines() {
+  for _ in $(seq 600); do
+    if [ "$(grep -cs -- "$2" "$1")" -ge "$3" ]; then return 0; fi
+    sleep 0.05
+  done
+  die "$1 has not $3 lines with $2: $(cat "$1")"
+}
 shows() { [ "$(visible)" = "$1" ] || die "after $2: visible is $(visible), not $1"; }
 
 # Node 0: a triangle at the origin. Node 1: four of it at x = -3, -1, 1, 3.
@@ -40,7 +48,7 @@ shows '[0, 1] {"1": [0, 1, 2, 3]}' nothing
 ctl watch rows --json --count 4 >"$work/watch.txt" &
 watcher=$!
 ctl watch rows --count 1 | grep -qx 'rows: scene, version 1, 5 objects, 5 triangles' || die "watch as text"
-until [ -s "$work/watch.txt" ]; do sleep 0.05; done
+await_lines "$work/watch.txt" . 1
 
 # IDs are those of answers files.
 [ "$(ctl edit rows --hide 0,1:2)" = 'rows: version 2' ] || die "edit --hide"
@@ -106,10 +114,11 @@ expect 2 'cullctl: --rate: Value 0 not in range 0.001000 to 1000000.000000' ctl 
 # A server that is killed in the middle of a load is no success; watch outlives it.
 ctl watch rows --json --count 3 >"$work/watch.txt" &
 watcher=$!
-until [ -s "$work/watch.txt" ]; do sleep 0.05; done
+await_lines "$work/watch.txt" . 1
+sessions=$(grep -c 'session opened.*scene=city' "$work/culld.log")
 ctl load city --clients 2 --seconds 30 >"$work/load.txt" 2>&1 &
 loader=$!
-sleep 1
+await_lines "$work/culld.log" 'session opened.*scene=city' $((sessions + 2))
 kill -KILL "$daemon"
 wait "$daemon" 2>/dev/null || true
 got=0
@@ -117,6 +126,7 @@ wait "$loader" || got=$?
 [ "$got" = 1 ] || die "load on a killed server: exit $got"
 "$bin/culld" serve --listen "127.0.0.1:$port" --scene "rows=$work/rows.gltf" >>"$work/culld.log" 2>&1 &
 daemon=$!
+await_lines "$work/watch.txt" '"connected"' 1
 wait "$watcher" || die "watch over a restart: exit $?"
 python3 - "$work/watch.txt" <<'END' || die "watch over a restart: $(cat "$work/watch.txt")"
 import json, sys

@@ -357,5 +357,28 @@ TEST_F(Http, BoundsWhatChunksHaveBesidesTheirBytes) {
   EXPECT_EQ(get("/v1/scenes/up").status, 404);
 }
 
+TEST_F(Http, RefusesWhatCouldBeReadInTwoWays) {
+  startWithRow();
+  const std::string get_it = "GET /v1/scenes HTTP/1.1\r\n";
+  EXPECT_EQ(raw(get_it + "Host: a\r\nHost: b\r\n\r\n").status, 400);
+  EXPECT_EQ(raw(get_it + "Host: a\r\nOrigin: http://a\r\nOrigin: http://b\r\n\r\n").status, 400);
+  EXPECT_EQ(
+      raw(get_it + "Host: a\r\nAuthorization: Bearer a\r\nAuthorization: Bearer b\r\n\r\n").status,
+      400);
+  const std::string put = "PUT /v1/scenes/up HTTP/1.1\r\nHost: a\r\n";
+  EXPECT_EQ(raw(put + "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n").status, 501);
+  EXPECT_EQ(raw(put + "Content-Encoding: gzip\r\nContent-Length: 3\r\n\r\nabc").status, 415);
+}
+
+TEST_F(Http, TakesSubprotocolsFromSeveralLines) {
+  startWithRow();
+  RawSocket s = socket();
+  s.send(
+      "GET /v1/scenes/row/live HTTP/1.1\r\nHost: a\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n"
+      "Sec-WebSocket-Protocol: other\r\nSec-WebSocket-Protocol: culld.v1\r\n\r\n");
+  EXPECT_EQ(readAnswer(s, false).status, 101);
+}
+
 }  // namespace
 }  // namespace culld::testing

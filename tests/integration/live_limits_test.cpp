@@ -2,11 +2,11 @@
 // What each gets is docs/protocol.md "Limits".
 #include <gtest/gtest.h>
 
-#include <future>
 #include <random>
 #include <thread>
 
 #include "protocol/codec.h"
+#include "tests/integration/gate.h"
 #include "tests/integration/server_fixture.h"
 
 namespace culld::testing {
@@ -102,8 +102,7 @@ TEST_F(LiveLimits, AMessageThatNobodyTakesEndsTheConnection) {
   startWithRow();
   LiveClient deaf = connect();
   floodUntilStopped(deaf);
-  awaitNoConnections(10s);
-  EXPECT_EQ(heldConnections(), 0.0);
+  EXPECT_TRUE(awaitNoConnections(10s));
 }
 
 TEST_F(LiveLimits, SoDoesAReplyThatNobodyTakes) {
@@ -113,8 +112,7 @@ TEST_F(LiveLimits, SoDoesAReplyThatNobodyTakes) {
   for (int i = 0; i < 40; ++i) {  // more than a megabyte each
     deaf.send("GET /v1/scenes/row/objects HTTP/1.1\r\nHost: x\r\n\r\n");
   }
-  awaitNoConnections(20s);
-  EXPECT_EQ(heldConnections(), 0.0);
+  EXPECT_TRUE(awaitNoConnections(20s));
 }
 
 TEST_F(LiveLimits, ASlowReaderKeepsItsConnection) {
@@ -214,18 +212,16 @@ TEST_F(LiveLimits, AConversationInSingleBytes) {
 }
 
 TEST_F(LiveLimits, AHalfClosedSocketIsLetGo) {
-  std::promise<void> open;
-  const auto gate = open.get_future().share();
-  fake.on_cull = [gate] { gate.wait(); };
+  Gate gate;
+  fake.on_cull = [&gate] { gate.pass(); };
   startWithRow();
   LiveClient client = connect();
   ASSERT_TRUE(client.openView(1));
   client.send(cameraAt(1));
   client.socket().shutdownWrite();
   EXPECT_TRUE(client.socket().readToEnd()) << "the server hangs up as well";
-  open.set_value();
-  awaitNoConnections(10s);
-  EXPECT_EQ(heldConnections(), 0.0);
+  gate.open();
+  EXPECT_TRUE(awaitNoConnections(10s));
 }
 
 TEST_F(LiveLimits, GarbageAfterTheUpgradeHurtsNobody) {
@@ -246,42 +242,31 @@ TEST_F(LiveLimits, GarbageAfterTheUpgradeHurtsNobody) {
 }
 
 TEST_F(LiveLimits, ADrainDoesNotWaitForEver) {
-  std::promise<void> open;
-  const auto gate = open.get_future().share();
-  std::promise<void> arrived;
-  std::atomic<bool> first{true};
-  fake.on_cull = [&] {
-    if (first.exchange(false)) arrived.set_value();
-    gate.wait();
-  };
+  Gate gate;
+  fake.on_cull = [&gate] { gate.pass(); };
   options.limits.drain_timeout = 200ms;
   startWithRow();
   LiveClient client = connect();
   ASSERT_TRUE(client.openView(1));
   client.send(cameraAt(1));
-  ASSERT_EQ(arrived.get_future().wait_for(10s), std::future_status::ready);
+  gate.awaitArrival();
   const auto begun = SteadyClock::now();
   server->drain();
   const auto took = SteadyClock::now() - begun;
-  open.set_value();
+  gate.open();
+  server.reset();  // the cull leaves the gate before the test does
   EXPECT_GE(took, 200ms) << "what is in flight gets its time";
   EXPECT_LT(took, 5s);
 }
 
 TEST_F(LiveLimits, CancelAndDeadlinesOverASocket) {
-  std::promise<void> open;
-  const auto gate = open.get_future().share();
-  std::promise<void> arrived;
-  std::atomic<bool> first{true};
-  fake.on_cull = [&] {
-    if (first.exchange(false)) arrived.set_value();
-    gate.wait();
-  };
+  Gate gate;
+  fake.on_cull = [&gate] { gate.pass(); };
   startWithRow();
   LiveClient client = connect();
   ASSERT_TRUE(client.openView(1));
   client.send(cameraAt(1), 10);
-  ASSERT_EQ(arrived.get_future().wait_for(10s), std::future_status::ready);
+  gate.awaitArrival();
   wire::CameraUpdate hurried = cameraAt(2);
   hurried.deadline_us = 20'000;
   client.send(hurried, 11);
@@ -296,7 +281,7 @@ TEST_F(LiveLimits, CancelAndDeadlinesOverASocket) {
   EXPECT_EQ(id, 10U);
   EXPECT_EQ(refused->code, wire::WireCode::kCancelled);
   client.send(cameraAt(3), 13);
-  open.set_value();
+  gate.open();
   const auto answer = client.await<wire::Answer>(&id);
   ASSERT_TRUE(answer);
   EXPECT_EQ(id, 13U) << "the cancelled cull was carried out, and not sent";

@@ -1,12 +1,11 @@
 // Sessions over real sockets: views, newest camera wins, changes, edits, bad input, rude clients.
 #include <gtest/gtest.h>
 
-#include <condition_variable>
-#include <mutex>
 #include <thread>
 
 #include "protocol/codec.h"
 #include "protocol/id_set.h"
+#include "tests/integration/gate.h"
 #include "tests/integration/server_fixture.h"
 
 namespace culld::testing {
@@ -25,32 +24,6 @@ class Live : public ServerTest {
   std::vector<ObjectId> expected(std::uint32_t objects, double x) const {
     return server::fakeVisible(*server::rowOfObjects(objects), x);
   }
-};
-
-/// Holds every cull until it is let go.
-class Gate {
- public:
-  void pass() {
-    std::unique_lock lock(mutex_);
-    ++waiting_;
-    changed_.notify_all();
-    changed_.wait_for(lock, std::chrono::seconds(10), [this] { return open_; });
-  }
-  void awaitArrival() {
-    std::unique_lock lock(mutex_);
-    ASSERT_TRUE(changed_.wait_for(lock, std::chrono::seconds(10), [this] { return waiting_ > 0; }));
-  }
-  void open() {
-    const std::lock_guard lock(mutex_);
-    open_ = true;
-    changed_.notify_all();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  int waiting_ = 0;
-  bool open_ = false;
 };
 
 TEST_F(Live, AnswersCamerasOfSeveralViewsOfSeveralClients) {

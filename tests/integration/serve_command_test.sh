@@ -1,20 +1,7 @@
 #!/usr/bin/env bash
 # `culld serve` as a process: exit codes, one line of error, signals, scenes across restarts, kill -9.
 # usage: serve_command_test.sh BIN_DIR
-set -euo pipefail
-bin=$1
-work=$(mktemp -d "${TMPDIR:-/tmp}/culld_serve.XXXXXX")
-daemon=''
-clean_up() {
-  [ -z "$daemon" ] || kill -KILL "$daemon" 2>/dev/null || true
-  rm -rf "$work"
-}
-trap clean_up EXIT
-die() {
-  echo "FAILED: $*" >&2
-  [ ! -f "$work/log" ] || cat "$work/log" >&2
-  exit 1
-}
+source "$(dirname "${BASH_SOURCE[0]}")/own_daemon.sh"
 
 # expect CODE WORDS ARGUMENTS...: culld ends with CODE and says WORDS in one line on stderr.
 expect() {

@@ -50,14 +50,16 @@ class ServerTest : public ::testing::Test {
   double heldConnections() const {
     const std::string text = request(port(), "GET", "/metrics").body;
     const auto at = text.find("\nculld_connections ");
-    return at == std::string::npos ? -1.0 : std::stod(text.substr(at + 19)) - 1.0;
+    return at == std::string::npos ? 1e9 : std::stod(text.substr(at + 19)) - 1.0;
   }
 
-  void awaitNoConnections(std::chrono::seconds limit) const {
+  bool awaitNoConnections(std::chrono::seconds limit) const {
     const auto until = std::chrono::steady_clock::now() + limit;
-    while (heldConnections() > 0 && std::chrono::steady_clock::now() < until) {
+    while (heldConnections() > 0) {
+      if (std::chrono::steady_clock::now() > until) return false;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+    return true;
   }
 
   /// Triangles in a row, one per node.

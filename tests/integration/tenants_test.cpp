@@ -1,6 +1,7 @@
 // Tokens, tenants and quotas over real sockets, in a server of this process.
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/server_fixture.h"
@@ -211,6 +212,84 @@ TEST_F(Tenants, LoseAnUploadUnderWayWithTheirToken) {
   slow.send(body.substr(100));
   EXPECT_EQ(readAnswer(slow).status, 401);
   EXPECT_EQ(ask("chief", "GET", "/v1/scenes/late").status, 404);
+}
+
+TEST_F(Tenants, AreNotToldHowBusyOthersAre) {
+  startWithTokens();
+  EXPECT_EQ(ask("chief", "PUT", "/v1/scenes/shared", rowGlb(3)).status, 201);
+  EXPECT_EQ(ask("keeper", "PUT", "/v1/scenes/mine", rowGlb(3)).status, 201);
+  const auto told = json::parse(ask("keeper", "GET", "/v1/status").body);
+  ASSERT_EQ(told["scenes"].size(), 2U);
+  EXPECT_TRUE(told["scenes"][0].contains("sessions")) << "its own";
+  for (const char* key : {"sessions", "views", "uses"}) {
+    EXPECT_FALSE(told["scenes"][1].contains(key)) << key;
+  }
+  EXPECT_FALSE(told.contains("totals"));
+  const auto all = json::parse(ask("chief", "GET", "/v1/status").body);
+  EXPECT_TRUE(all["scenes"][0].contains("uses"));
+}
+
+TEST_F(Tenants, HearTheirOwnNamesOnly) {
+  startWithTokens();
+  for (const auto& reply : {ask("keeper", "DELETE", "/v1/scenes/x"),
+                            ask("keeper", "PUT", "/v1/scenes/x", "no scene")}) {
+    EXPECT_GE(reply.status, 400);
+    EXPECT_EQ(reply.body.find("acme"), std::string::npos) << reply.body;
+  }
+}
+
+TEST_F(Tenants, PayForWhatIsSent) {
+  startWithTokens("[tenant.acme]\nbytes_per_s = 1000\n");
+  EXPECT_EQ(ask("chief", "PUT", "/v1/scenes/a", rowGlb(1'000)).status, 201);
+  for (int i = 0; i < 20; ++i) {
+    RawSocket s = socket();
+    s.send("HEAD /v1/scenes/a/objects HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer reader\r\n\r\n");
+    EXPECT_EQ(readAnswer(s, false).status, 200);
+  }
+}
+
+TEST_F(Tenants, CanReplaceAndRemoveTheirDamagedScene) {
+  startWithTokens("[tenant.acme]\nscenes = 1\n");
+  EXPECT_EQ(ask("chief", "PUT", "/v1/scenes/x", rowGlb(3)).status, 201);
+  EXPECT_EQ(ask("keeper", "PUT", "/v1/scenes/x", rowGlb(5)).status, 201);
+  server.reset();
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "data" / "scenes")) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("acme:x~")) std::filesystem::resize_file(entry.path(), 100);
+  }
+  server = std::move(server::Server::start(options)).value();
+  EXPECT_EQ(server->loadScenes().value().size(), 1U);
+  EXPECT_EQ(ask("keeper", "GET", "/v1/scenes/x").status, 404) << "not the operator's";
+  EXPECT_EQ(json::parse(ask("other", "GET", "/v1/scenes/x").body)["objects"], 3);
+  EXPECT_EQ(ask("keeper", "PUT", "/v1/scenes/y", rowGlb(5)).status, 429) << "it is still held";
+  EXPECT_EQ(ask("keeper", "PUT", "/v1/scenes/x", rowGlb(6)).status, 201) << "and can be replaced";
+  EXPECT_EQ(ask("keeper", "DELETE", "/v1/scenes/x").status, 204);
+  EXPECT_EQ(json::parse(ask("keeper", "GET", "/v1/scenes/x").body)["objects"], 3);
+}
+
+TEST_F(Tenants, LoseTheirTicketsAtAReload) {
+  startWithTokens();
+  EXPECT_EQ(ask("chief", "PUT", "/v1/scenes/a", rowGlb(3)).status, 201);
+  const auto bought = json::parse(ask("reader", "POST", "/v1/tickets").body)["ticket"];
+  ASSERT_TRUE(server->reloadAccess(options.access, {}).ok());
+  EXPECT_EQ(ask("reader", "GET", "/v1/scenes").status, 200) << "the token holds";
+  LiveClient late(socket(), "a", "culld.v1, culld.ticket." + bought.get<std::string>());
+  EXPECT_EQ(late.upgradeStatus(), 401);
+}
+
+TEST_F(Tenants, KeepTheSessionsOfTicketsFromTheUnixSocket) {
+  options.unix_path = (folder / "sock").string();
+  startWithTokens();
+  EXPECT_EQ(ask("chief", "PUT", "/v1/scenes/a", rowGlb(3)).status, 201);
+  RawSocket backend = RawSocket::unixDomain(options.unix_path);
+  backend.send("POST /v1/tickets HTTP/1.1\r\nHost: x\r\nContent-Length: 0\r\n\r\n");
+  const auto bought = json::parse(readAnswer(backend).body)["ticket"].get<std::string>();
+  LiveClient browser(socket(), "a", "culld.v1, culld.ticket." + bought);
+  ASSERT_TRUE(browser.hello());
+  ASSERT_TRUE(server->reloadAccess(options.access, {}).ok());
+  EXPECT_EQ(ask("reader", "GET", "/v1/scenes").status, 200);
+  browser.send(protocol::Ping{1});
+  EXPECT_TRUE(browser.await<protocol::Pong>()) << "nothing of it was withdrawn";
 }
 
 }  // namespace

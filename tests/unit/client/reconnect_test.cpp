@@ -130,6 +130,82 @@ TEST(Reconnect, AnswersACameraThatWasUnderWay) {
   EXPECT_EQ(frame.value()->visible, Ids{9});
 }
 
+TEST(Refusal, OfACameraThatStandsForOlderOnesIsTheirs) {
+  using protocol::WireCode;
+  for (const bool on_arrival : {false, true}) {
+    Script server([on_arrival](Peer& peer) {
+      peer.greet();
+      peer.openView();
+      const auto first = peer.nextCamera().first;
+      const auto second = peer.nextCamera().first;
+      const auto code = on_arrival ? WireCode::kInvalidCamera : WireCode::kInternal;
+      peer.send({second, protocol::ErrorReply{code, "no"}});
+      if (on_arrival) peer.send({first, wholeAnswer(1, {4})});
+      peer.awaitEnd();
+    });
+    const Client client(server.address());
+    ASSERT_NE(client.view, nullptr);
+    auto older = client.view->setCamera({});
+    auto newer = client.view->setCamera({});
+    ASSERT_EQ(newer.wait_for(5s), std::future_status::ready);
+    EXPECT_FALSE(newer.get().ok());
+    ASSERT_EQ(older.wait_for(5s), std::future_status::ready) << "told of nothing";
+    EXPECT_EQ(older.get().ok(), on_arrival);
+  }
+}
+
+TEST(Refusal, OfACameraAskedAgainIsAlsoThatOfThoseItStandsFor) {
+  Script server({[](Peer& peer) {
+                   peer.greet();
+                   peer.openView();
+                   peer.nextCamera();
+                   peer.nextCamera();
+                   peer.cut();
+                 },
+                 [](Peer& peer) {
+                   peer.greet();
+                   peer.openView();
+                   peer.send({peer.nextCamera().first,
+                              protocol::ErrorReply{protocol::WireCode::kQuotaExceeded, "spent"}});
+                   peer.awaitEnd();
+                 }});
+  const Client client(server.address(), again());
+  ASSERT_NE(client.view, nullptr);
+  auto older = client.view->setCamera({});
+  auto newer = client.view->setCamera({});
+  for (auto* waiting : {&older, &newer}) {
+    ASSERT_EQ(waiting->wait_for(5s), std::future_status::ready);
+    EXPECT_FALSE(waiting->get().ok());
+  }
+}
+
+TEST(Misfit, OfWhatWasUnderWayDoesNotEndTheWaitForTheWhole) {
+  Script server([](Peer& peer) {
+    peer.greet();
+    peer.openView();
+    const auto first = peer.nextCamera().first;
+    const auto second = peer.nextCamera().first;
+    Answer wrong = wholeAnswer(1, {1});
+    wrong.set_hash ^= 1;
+    peer.send({first, wrong});
+    wrong.frame = 2;
+    peer.send({second, wrong});  // left before the client could ask for a whole one
+    peer.send({peer.nextCamera().first, wholeAnswer(3, {5})});
+    peer.awaitEnd();
+  });
+  const Client client(server.address());
+  ASSERT_NE(client.view, nullptr);
+  auto older = client.view->setCamera({});
+  auto newer = client.view->setCamera({});
+  for (auto* waiting : {&older, &newer}) {
+    ASSERT_EQ(waiting->wait_for(5s), std::future_status::ready);
+    const auto frame = waiting->get();
+    ASSERT_TRUE(frame.ok()) << frame.error().message;
+    EXPECT_EQ(frame.value()->visible, Ids{5});
+  }
+  EXPECT_EQ(client.view->misfits(), 1U);
+}
+
 TEST(Reconnect, KeepsCamerasOfTheTimeBetween) {
   std::promise<void> asked;
   auto was_asked = asked.get_future();

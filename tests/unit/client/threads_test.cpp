@@ -119,13 +119,39 @@ TEST(Callbacks, MayDestroyTheConnection) {
   EXPECT_TRUE(second_failed);  // what waited was told before the connection was gone
 }
 
+TEST(Close, OfAViewTellsItsCameras) {
+  Script server([](Peer& peer) {
+    peer.greet();
+    peer.openView();
+    peer.nextCamera();
+    peer.awaitEnd();
+  });
+  Client client(server.address());
+  ASSERT_NE(client.view, nullptr);
+  auto waiting = client.view->setCamera({});
+  client.view.reset();
+  ASSERT_EQ(waiting.wait_for(5s), std::future_status::ready);
+  const auto told = waiting.get();
+  ASSERT_FALSE(told.ok());
+  EXPECT_EQ(told.error().code, ErrorCode::kCancelled);
+}
+
 TEST(Close, EndsWaitsOnOtherThreadsAtOnce) {
-  Script server(answering(0));
+  std::promise<void> both;
+  auto waits = both.get_future();
+  Script server([&both](Peer& peer) {
+    peer.greet();
+    peer.openView();
+    peer.next();
+    peer.next();
+    both.set_value();
+    peer.awaitEnd();
+  });
   const Client client(server.address());
   ASSERT_NE(client.view, nullptr);
   auto waiting = std::async(std::launch::async, [&] { return client.view->cull({}); });
   auto pinging = std::async(std::launch::async, [&] { return client.connection->ping(); });
-  std::this_thread::sleep_for(50ms);
+  ASSERT_EQ(waits.wait_for(5s), std::future_status::ready);
   const auto start = std::chrono::steady_clock::now();
   client.connection->close();
   EXPECT_FALSE(waiting.get().ok());

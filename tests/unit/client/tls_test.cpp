@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
+#include <unistd.h>
 
 #include <boost/asio/ssl.hpp>
 #include <boost/beast/core.hpp>
@@ -98,7 +99,8 @@ const Identity& identity() {
 }
 
 std::string certificateFile() {
-  const std::string path = ::testing::TempDir() + "culld_tls_test_ca.pem";
+  const std::string path =
+      ::testing::TempDir() + "culld_tls_test_ca." + std::to_string(::getpid()) + ".pem";
   identity().writeCertificate(path);
   return path;
 }

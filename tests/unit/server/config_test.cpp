@@ -194,13 +194,14 @@ TEST(Config, NamesTheLineOfTextThatIsNoToml) {
 
 TEST(Config, NamesFilesThatCannotBeRead) {
   const std::filesystem::path folder = ::testing::TempDir();
-  EXPECT_EQ(settingsOfFile(folder.string()).error().message, folder.string() + ": is a folder");
+  EXPECT_EQ(settingsOfFile(folder.string()).error().message,
+            folder.string() + ": is no regular file");
   const std::string none = (folder / "none.toml").string();
   EXPECT_EQ(settingsOfFile(none).error().message,
             none + ": cannot open: No such file or directory");
   const std::string large = (folder / "large.toml").string();
   std::ofstream(large) << std::string((std::size_t{1} << 20) + 1, '#');
-  EXPECT_EQ(settingsOfFile(large).error().message, large + ": larger than 1 MiB");
+  EXPECT_EQ(settingsOfFile(large).error().message, large + ": larger than 1048576 bytes");
   std::ofstream(large) << std::string(std::size_t{1} << 20, '#');
   EXPECT_TRUE(settingsOfFile(large).ok());
   std::filesystem::remove(large);
