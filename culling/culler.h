@@ -14,6 +14,7 @@
 #include "culling/core/clock.h"
 #include "culling/core/ids.h"
 #include "culling/core/result.h"
+#include "culling/core/settings.h"
 #include "culling/scene/scene_snapshot.h"
 
 namespace culld {
@@ -146,11 +147,37 @@ class Method {
                                                         const Clock& clock) const {
     return prepare(std::move(scene), clock);
   }
+  /// What can be turned about it; the method itself has the standard values.
+  virtual std::span<const Setting> settings() const noexcept { return {}; }
+  /// The same method with other values. REQUIRES: values of the table that settings() gives.
+  virtual std::unique_ptr<const Method> with(const SettingValues& /*values*/) const {
+    return nullptr;  // not asked of a method without settings
+  }
 };
 
 /// Every method, an explicit table (methods/all.cpp).
 std::span<const Method* const> allMethods() noexcept;
 /// nullptr if there is none of that name.
 const Method* findMethod(std::string_view name) noexcept;
+
+/// Methods by name, also with settings other than the standard ones: "raster",
+/// "z-pyramid:coherence=off:levels=6". THREADS: one at a time.
+class ConfiguredMethods {
+ public:
+  /// `table` must outlive this.
+  explicit ConfiguredMethods(std::span<const Method* const> table)
+      : methods_(table.begin(), table.end()) {}
+
+  /// Its info().name is `name` as given; the same object for the same name. Lives as long as this.
+  /// ERROR: kInvalidInput: no method or no setting of that name, no value of it; names it.
+  Result<const Method*> find(const std::string& name);
+
+  /// The table's methods and all that were found since.
+  std::span<const Method* const> all() const noexcept { return methods_; }
+
+ private:
+  std::vector<const Method*> methods_;
+  std::vector<std::unique_ptr<const Method>> own_;
+};
 
 }  // namespace culld

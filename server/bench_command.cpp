@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "culling/core/simd.h"
+#include "culling/planner/scene_profile.h"
 #include "culling/report/bench.h"
 #include "protocol/answer_file.h"
 #include "protocol/id_set.h"
@@ -18,7 +19,6 @@
 #include "server/command_inputs.h"
 #include "server/command_line.h"
 #include "server/machine.h"
-#include "server/scene.h"
 
 namespace culld {
 namespace {
@@ -33,15 +33,17 @@ struct Options {
   std::string cameras, methods = "all", sizes, times_us, report, simd = "auto";
   std::uint32_t repeat = 5, every = 1, samples = 4, rays = 16;
   std::uint64_t seed = 1;
-  server::Methods table;           ///< all that there are
-  std::vector<std::string> names;  ///< of those to run
+  std::span<const Method* const> table;  ///< all that there are
+  std::vector<const Method*> asked;      ///< to run
 };
 
 void declare(CLI::App& app, Options& o) {
   app.add_option("SCENE", o.scenes, "glTF scenes, .glb or .gltf")->required();
   app.add_option("--cameras", o.cameras,
                  "cameras file for all scenes; else X.cameras.json of X.glb");
-  app.add_option("--methods", o.methods, "all, or names with commas; auto: the planner's choice");
+  app.add_option(
+      "--methods", o.methods,
+      "all, or names with commas, also NAME:SETTING=VALUE...; auto: the planner's choice");
   app.add_option("--sizes", o.sizes, "image sizes, 640x360,1280x720; else each camera's own");
   app.add_option("--times-us", o.times_us,
                  "time limits per camera, 500,2000, in microseconds; no limit is always measured");
@@ -106,23 +108,25 @@ Result<BenchOptions> benchOptions(const Options& o) {
   return options;
 }
 
-/// The names asked for, each once, the baseline first.
-Result<std::vector<std::string>> methodNames(const Options& o) {
-  std::vector<std::string> known;
-  for (const Method* method : o.table) known.emplace_back(method->info().name);
+/// The methods asked for, each once, the baseline first.
+Result<std::vector<const Method*>> methodsAsked(const Options& o, ConfiguredMethods& known) {
   std::vector<std::string> names{kBaseline};
   for (const std::string& asked : splitAtCommas(o.methods)) {
-    const bool all = asked == "all";
-    if (!all && std::find(known.begin(), known.end(), asked) == known.end()) {
-      std::string list = "all";
-      for (const std::string& name : known) list += ", " + name;
-      return invalidInput("method " + asked + ": unknown; there are " + list);
+    if (asked != "all") {
+      names.push_back(asked);
+      continue;
     }
-    for (const std::string& name : all ? known : std::vector<std::string>{asked}) {
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    for (const Method* method : o.table) names.emplace_back(method->info().name);
+  }
+  std::vector<const Method*> methods;
+  for (const std::string& name : names) {
+    const auto method = known.find(name);
+    if (!method) return method.error();
+    if (std::find(methods.begin(), methods.end(), method.value()) == methods.end()) {
+      methods.push_back(method.value());
     }
   }
-  return names;
+  return methods;
 }
 
 std::string camerasOf(const Options& o, const std::string& scene) {
@@ -167,18 +171,18 @@ Result<void> addCameras(const Options& o, const std::string& path, BenchScene& s
   return Done{};
 }
 
-/// Looked up as every other command does; a method that is not for the scene is noted.
+/// A method that is not for the scene is noted.
 Result<void> addMethods(const Options& o, BenchScene& scene) {
-  const std::vector<std::string>& names = o.names;
-  const server::SceneVersion version(o.table, scene.scene, 1);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto method = version.method(names[i]);
-    if (!method) {
-      if (names[i] == kBaseline) return method.error();
-      scene.refused.push_back({names[i], method.error().message});
-      continue;
+  const SceneProfile profile = profileScene(*scene.scene);
+  for (std::size_t i = 0; i < o.asked.size(); ++i) {
+    const std::string name(o.asked[i]->info().name);
+    if (auto fits = o.asked[i]->accepts(profile); fits) {
+      scene.methods.push_back({name, o.asked[i], i});
+    } else if (name == kBaseline) {
+      return fits.error();
+    } else {
+      scene.refused.push_back({name, fits.error().message});
     }
-    scene.methods.push_back({names[i], method.value(), i});
   }
   return Done{};
 }
@@ -254,9 +258,10 @@ int say(const BenchReport& report) {
 }
 
 int run(Options& o, const std::string& command) {
-  auto names = methodNames(o);
-  if (!names) return fail(kUsage, names.error().message);
-  o.names = std::move(names).value();
+  ConfiguredMethods known(o.table);
+  auto asked = methodsAsked(o, known);
+  if (!asked) return fail(kUsage, asked.error().message);
+  o.asked = std::move(asked).value();
   const auto options = benchOptions(o);
   if (!options) return fail(kUsage, options.error().message);
   if (auto forced = forceSimdTarget(o.simd); !forced) return fail(kUsage, forced.error().message);

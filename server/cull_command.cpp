@@ -37,7 +37,8 @@ struct Options {
 void declare(CLI::App& app, Options& o) {
   app.add_option("SCENE", o.scene, "glTF scene, .glb or .gltf")->required();
   app.add_option("--cameras", o.cameras, "cameras file, a JSON list")->required();
-  app.add_option("--method", o.method, "culling method; auto: the best that fits the scene");
+  app.add_option("--method", o.method,
+                 "culling method, also NAME:SETTING=VALUE...; auto: the best that fits the scene");
   app.add_option("--guarantee", o.guarantee, "conservative, hole, sampled or approximate");
   app.add_option("--hole-px", o.demand.hole_px, "side of the hole accepted, with --guarantee hole");
   app.add_option("--accept-missed-px", o.demand.accepted_missed_px,
@@ -66,16 +67,6 @@ Result<void> checkBackend(const std::string& backend) {
   }
   return invalidInput("backend " + backend +
                       ": not one of auto, cpu, egl-device[:n], egl-surfaceless, osmesa");
-}
-
-/// Before a large scene is loaded in vain.
-Result<void> checkMethod(const std::string& name) {
-  std::string known;
-  for (const Method* method : allMethods()) {
-    if (method->info().name == name) return Done{};
-    known += (known.empty() ? "" : ", ") + std::string(method->info().name);
-  }
-  return invalidInput("method " + name + ": unknown; there are " + known);
 }
 
 std::vector<protocol::ObjectName> namesOf(const SceneSnapshot& scene) {
@@ -125,16 +116,19 @@ int cullAll(const Options& o, const Demand& demand, const std::vector<Camera>& c
 int run(const Options& o) {
   const auto demand = demandOf(o);
   if (!demand) return fail(kUsage, demand.error().message);
-  for (const auto& checked :
-       {checkBackend(o.backend), forceSimdTarget(o.simd), checkMethod(o.method)}) {
+  for (const auto& checked : {checkBackend(o.backend), forceSimdTarget(o.simd)}) {
     if (!checked) return fail(kUsage, checked.error().message);
+  }
+  ConfiguredMethods methods(allMethods());
+  if (const auto known = methods.find(o.method); !known) {
+    return fail(kUsage, known.error().message);  // before a large scene is loaded in vain
   }
   const auto cameras = readCameras(o.cameras, o.image);
   if (!cameras) return fail(kUsage, cameras.error().message);
   const auto scene = loadScene(o.scene);
   if (!scene) return fail(kUsage, scene.error().message);
 
-  const SceneVersion version(allMethods(), scene.value(), 1);
+  const SceneVersion version(methods.all(), scene.value(), 1);
   const auto method = version.method(o.method);
   if (!method) return fail(kFailed, o.scene + ": " + method.error().message);
   const MethodInfo info = method.value()->info();
