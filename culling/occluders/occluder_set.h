@@ -16,6 +16,10 @@ struct OccluderMesh {
   std::uint32_t blocking_triangles = 0;
   std::uint32_t vertices = 0;
   glm::vec3 largest{0.0F};  ///< of |x|, |y|, |z| over its vertices
+  /// What is drawn one by one: pieces, or triangles where there are none.
+  std::uint32_t polygons() const noexcept {
+    return piece_count != 0 ? piece_count : blocking_triangles;
+  }
 };
 
 class OccluderSet {

@@ -1,0 +1,240 @@
+#include "culling/methods/occlusion_map_frame.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "culling/raster/box_cells.h"
+#include "culling/raster/object_rows.h"
+#include "culling/raster/rounding.h"
+#include "culling/spatial/frustum_walk.h"
+
+namespace culld {
+namespace {
+
+constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
+constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+
+// Nanoseconds of counted work, measured (docs/methods/occlusion-map.md).
+constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
+
+bool smallerFirst(const MapItem& a, const MapItem& b) { return a.area() < b.area(); }
+
+bool nearerFirst(const MapItem& a, const MapItem& b) {
+  if (a.nearest != b.nearest) return a.nearest > b.nearest;
+  return a.ref.objectId() < b.ref.objectId();
+}
+
+bool largeEnough(const CellRect& rect) {
+  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
+}
+
+/// Nothing may be lost in motion: what shines through a hole moves with the eye.
+double acceptedPx(const Camera& camera, const Demand& demand, double by_setting_px) {
+  if (demand.guarantee != Guarantee::kApproximate || !camera.motion.still()) return 0.0;
+  return std::max(static_cast<double>(demand.accepted_missed_px), by_setting_px);
+}
+
+}  // namespace
+
+OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,
+                                     const OcclusionMapOptions& options, const Camera& camera,
+                                     const Deadline& deadline, const Demand& demand,
+                                     OcclusionMapMemory& memory)
+    : scene_(scene),
+      options_(options),
+      deadline_(deadline),
+      most_work_(demand.work),
+      memory_(memory),
+      frustum_(camera, scene.bvh),
+      view_(cellView(camera, gridFor(camera))),
+      box_view_(boxView(view_)),
+      origin_world_(camera.origin_world),
+      drawing_(scene.scene, scene.occluders, view_, origin_world_, deadline, memory.occluder),
+      image_px_(static_cast<double>(camera.width_px) * camera.height_px),
+      accepted_px_(acceptedPx(camera, demand, options.accepted_px)),
+      polygons_left_(options.most_polygons) {
+  if (accepted_px_ > 0.0) hole_ = negligibleHole(options.opacity);
+  memory_.cells.reset(view_.grid);
+  memory_.depth.reset(view_.grid, options.depth_regions);
+  memory_.queue.clear();
+  memory_.chosen.clear();
+  memory_.stack.clear();
+}
+
+/// False once time or work is used up; asks the clock every few items.
+bool OcclusionMapFrame::mayGoOn() {
+  if (stopped_ || to_look_-- != 0) return !stopped_;
+  to_look_ = kItemsPerLook - 1;
+  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
+  return !stopped_;
+}
+
+std::chrono::nanoseconds OcclusionMapFrame::work() const {
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
+                                  kTexelNs * texels_);
+}
+
+void OcclusionMapFrame::pushRoots(std::vector<MapItem>& items) const {
+  for (auto root = static_cast<std::uint32_t>(scene_.bvh.rootCount()); root-- > 0;) {
+    items.push_back({everyCell(view_.grid), std::numeric_limits<float>::infinity(),
+                     ChildRef::node(root), frustum_.planes()});
+  }
+}
+
+/// Calls take(child, lane_blocks, in_frustum) for each live child of a node.
+template <typename Take>
+void OcclusionMapFrame::forEachChild(const MapItem& item, const Take& take) {
+  ++stats_.nodes_visited;
+  const WideNode& node = scene_.bvh.node(item.ref.nodeIndex());
+  const LaneVerdicts verdicts = frustum_.test(node, item.planes);
+  const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
+                                     node.origin[1] - origin_world_.y,
+                                     node.origin[2] - origin_world_.z};
+  BoxRects rects;
+  projectBoxes(box_view_, origin, node.offsets, rects);
+  const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
+  for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
+    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
+    const bool inside = (on_image >> lane & 1U) != 0;
+    MapItem child{{}, rects.nearest[lane], node.child[lane], 0};
+    if (inside) child.rect = cellRect(rects, lane, view_.grid);
+    if (child.ref.isNode()) child.planes = verdicts.planesLeft(lane);
+    take(child, (node.blocking >> lane & 1U) != 0, inside);
+  }
+}
+
+/// Largest on the image first: a node is opened only while something below it may be as large as
+/// the next occluder.
+void OcclusionMapFrame::chooseOccluders() {
+  std::vector<MapItem>& queue = memory_.queue;
+  pushRoots(queue);
+  std::make_heap(queue.begin(), queue.end(), smallerFirst);
+  while (!queue.empty() && mayGoOn()) {
+    std::pop_heap(queue.begin(), queue.end(), smallerFirst);
+    const MapItem item = queue.back();
+    queue.pop_back();
+    if (item.ref.isObject()) {
+      if (!choose(item)) return;
+      continue;
+    }
+    forEachChild(item, [&](const MapItem& child, bool blocks, bool inside) {
+      if (!blocks || !inside || !largeEnough(child.rect)) return;
+      if (child.ref.isObject() && !scene_.database.holds(child.ref.objectId())) return;
+      queue.push_back(child);
+      std::push_heap(queue.begin(), queue.end(), smallerFirst);
+    });
+  }
+}
+
+/// False once the budget is used up.
+bool OcclusionMapFrame::choose(const MapItem& item) {
+  if (memory_.chosen.size() >= options_.most_occluders) return false;
+  const Instance& instance = scene_.scene.instance(item.ref.objectId());
+  const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
+  // One that reaches the eye would be anywhere on the image, as far back as its far end.
+  if (!options_.depth_of_cells && !std::isfinite(item.nearest)) return true;
+  if (polygons > polygons_left_) return true;  // a simpler one may still fit
+  polygons_left_ -= polygons;
+  memory_.chosen.push_back(item);
+  return true;
+}
+
+/// Front to back: what is hidden by then adds nothing to the map.
+void OcclusionMapFrame::drawOccluders() {
+  std::sort(memory_.chosen.begin(), memory_.chosen.end(), nearerFirst);
+  for (const MapItem& item : memory_.chosen) {
+    if (!mayGoOn()) return;
+    if (memory_.cells.certainlyHidden(item.rect, item.nearest)) continue;
+    const Instance& instance = scene_.scene.instance(item.ref.objectId());
+    const DrawnOccluder drawn =
+        drawing_.draw(instance, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
+    ++stats_.occluders_drawn;
+    stats_.triangles_drawn += drawn.triangles;
+    drawing_ns_ += drawn.work_ns;
+    stopped_ = stopped_ || drawn.cut_short;
+    if (!options_.depth_of_cells) memory_.depth.add(item.rect, farthestOf(instance));
+  }
+}
+
+float OcclusionMapFrame::farthestOf(const Instance& instance) const {
+  const Mesh& mesh = scene_.scene.mesh(instance.mesh);
+  const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
+  return farthestNearness(objectRows(view_, instance.world_from_mesh, origin_world_, largest),
+                          mesh.bounds, view_.perspective);
+}
+
+/// Where holes are accepted, they are for objects of which all blocks: in one place, one of them at
+/// most can be seen. What is see-through, and nodes that may hold such, are held to the proof.
+std::uint32_t OcclusionMapFrame::holeFor(const MapItem& item) const {
+  if (hole_ == 0 || scene_.all_block) return hole_;
+  if (item.ref.isNode()) return 0;
+  const MeshId mesh = scene_.scene.instance(item.ref.objectId()).mesh;
+  return scene_.see_through[mesh] != 0 ? 0 : hole_;
+}
+
+bool OcclusionMapFrame::hidden(const MapItem& item) {
+  if (!memory_.depth.behind(item.rect, item.nearest)) return false;
+  const std::uint32_t hole = holeFor(item);
+  const Overlap overlap = memory_.map.overlap(item.rect, {hole, options_.give_up});
+  texels_ += overlap.texels;
+  return overlap.covered && (hole == 0 || memory_.ledger.take(item.rect));
+}
+
+/// What is hidden ends here; it is only counted, so that the answer can say what occlusion brought.
+void OcclusionMapFrame::takeHidden(const MapItem& item) {
+  if (item.ref.isObject()) {
+    ++stats_.occluded;
+    ++in_frustum_;
+  } else {
+    in_frustum_ += countInFrustum(scene_.bvh, frustum_, item.ref.nodeIndex(), item.planes);
+  }
+}
+
+void OcclusionMapFrame::testObjects(Answer& answer) {
+  std::vector<MapItem>& stack = memory_.stack;
+  pushRoots(stack);
+  while (!stack.empty()) {
+    const MapItem item = stack.back();
+    stack.pop_back();
+    if (!mayGoOn()) {
+      scene_.bvh.appendObjects(item.ref.nodeIndex(), answer.visible);
+      continue;
+    }
+    forEachChild(item, [&](const MapItem& child, bool /*blocks*/, bool inside) {
+      const bool object = child.ref.isObject();
+      if (object) ++stats_.tested;
+      if (!inside) {
+        if (object) ++stats_.outside;
+      } else if (hidden(child)) {
+        takeHidden(child);
+      } else if (object) {
+        ++in_frustum_;
+        answer.visible.push_back(child.ref.objectId());
+      } else {
+        stack.push_back(child);
+      }
+    });
+  }
+}
+
+void OcclusionMapFrame::run(Answer& answer) {
+  chooseOccluders();
+  drawOccluders();
+  memory_.map.build(memory_.cells, options_.levels);
+  if (options_.depth_of_cells) memory_.depth.addCells(memory_.cells);
+  drawing_ns_ += kBlockNs * view_.grid.blocks();
+  memory_.ledger.reset(memory_.map, image_px_, accepted_px_);
+  testObjects(answer);
+  if (accepted_px_ > 0.0) {
+    answer.guarantee = Guarantee::kApproximate;
+    answer.missed_px = floatUp(memory_.ledger.lostPx());
+  }
+  answer.out_of_budget = stopped_;
+  if (!stopped_) stats_.in_frustum = in_frustum_;
+  stats_.work = work();
+  answer.stats = stats_;
+}
+
+}  // namespace culld

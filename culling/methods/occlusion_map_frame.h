@@ -1,0 +1,113 @@
+// One frame of method `occlusion-map`: occluders chosen by their size on the image, drawn, made
+// into a pyramid and a depth estimation; then all boxes against both.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "culling/culler.h"
+#include "culling/occluders/occluder_database.h"
+#include "culling/occluders/occluder_drawing.h"
+#include "culling/raster/box_kernels.h"
+#include "culling/raster/cell_view.h"
+#include "culling/raster/depth_cells.h"
+#include "culling/raster/depth_estimation.h"
+#include "culling/raster/hole_ledger.h"
+#include "culling/raster/occlusion_map.h"
+#include "culling/spatial/frustum_test.h"
+#include "culling/spatial/wide_bvh.h"
+
+namespace culld {
+
+/// The method's switches and numbers (docs/methods/occlusion-map.md).
+struct OcclusionMapOptions {
+  OccluderRules database{};
+  std::uint32_t most_occluders = 1024;
+  std::uint32_t most_polygons = 40'000;
+  std::uint32_t levels = 6;
+  double opacity = 0.9375;  ///< used only where holes are accepted
+  double give_up = 1.0;
+  std::uint32_t depth_regions = 128;
+  bool depth_of_cells = true;  ///< no-background Z-buffer; else boxes, the depth estimation buffer
+  double accepted_px = 0.0;    ///< accepted loss where the demand names none
+};
+
+/// A node or an object that may be on the image.
+struct MapItem {
+  CellRect rect;
+  float nearest;
+  ChildRef ref;
+  PlaneMask planes;  ///< still to be tested below a node
+  std::uint64_t area() const noexcept {
+    return std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
+  }
+};
+
+/// Buffers kept from frame to frame for their memory only: nothing in them is read again.
+struct OcclusionMapMemory final : ViewState::Memory {
+  DepthCells cells;
+  OccluderScratch occluder;
+  OcclusionMap map;
+  DepthEstimation depth;
+  HoleLedger ledger;
+  std::vector<MapItem> queue;   ///< a heap, largest on the image on top
+  std::vector<MapItem> chosen;  ///< occluders
+  std::vector<MapItem> stack;
+};
+
+/// What the culler has prepared.
+struct OcclusionMapScene {
+  const SceneSnapshot& scene;
+  const WideBvh& bvh;
+  const OccluderSet& occluders;
+  const OccluderDatabase& database;
+  const std::vector<std::uint8_t>& see_through;  ///< by mesh: not all of it blocks
+  bool all_block;                                ///< no mesh of the scene is see-through
+};
+
+class OcclusionMapFrame {
+ public:
+  OcclusionMapFrame(const OcclusionMapScene& scene, const OcclusionMapOptions& options,
+                    const Camera& camera, const Deadline& deadline, const Demand& demand,
+                    OcclusionMapMemory& memory);
+
+  /// Appends the objects not left out to answer.visible, in no particular order.
+  void run(Answer& answer);
+
+ private:
+  template <typename Take>
+  void forEachChild(const MapItem& item, const Take& take);
+  void pushRoots(std::vector<MapItem>& items) const;
+  void chooseOccluders();
+  bool choose(const MapItem& item);
+  void drawOccluders();
+  float farthestOf(const Instance& instance) const;
+  void testObjects(Answer& answer);
+  void takeHidden(const MapItem& item);
+  bool hidden(const MapItem& item);
+  std::uint32_t holeFor(const MapItem& item) const;
+  bool mayGoOn();
+  std::chrono::nanoseconds work() const;
+
+  const OcclusionMapScene& scene_;
+  const OcclusionMapOptions& options_;
+  const Deadline& deadline_;
+  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  OcclusionMapMemory& memory_;
+  FrustumTest frustum_;
+  CellView view_;
+  BoxView box_view_;
+  glm::dvec3 origin_world_;
+  OccluderDrawing drawing_;
+  double image_px_;
+  double accepted_px_;      ///< that may be lost; 0: nothing
+  std::uint32_t hole_ = 0;  ///< cells of a texel that may stay open
+  std::uint32_t polygons_left_;
+  CullStats stats_;
+  std::uint32_t in_frustum_ = 0;
+  std::uint64_t drawing_ns_ = 0;
+  std::uint64_t texels_ = 0;   ///< looked at
+  std::uint32_t to_look_ = 0;  ///< items before the next look at the clock
+  bool stopped_ = false;
+};
+
+}  // namespace culld
