@@ -9,6 +9,7 @@ namespace culld {
 namespace {
 
 constexpr std::uint32_t kTileBlocks = kTileSide * kTileSide;
+constexpr float kNearestOfAll = 3.0e38F;
 
 /// Of the 64 blocks of a tile; in eight lanes, so that compilers use them.
 float leastOf(const float* blocks) {
@@ -36,6 +37,7 @@ void DepthCells::reset(const CellGrid& grid) {
   least_.assign(grid.blocks(), 0.0F);
   tile_least_.assign(grid.tiles(), 0.0F);
   tile_stale_.assign(grid.tiles(), 1);
+  raised_.assign(grid.tiles(), 0);
   if (cells_.size() < grid.blocks()) cells_.resize(grid.blocks());
   if (used_in_.size() < grid.blocks()) used_in_.resize(grid.blocks(), 0);
   if (++frame_ == 0) {  // after 2^32 frames the old marks could be mistaken for this frame's
@@ -44,10 +46,24 @@ void DepthCells::reset(const CellGrid& grid) {
   }
 }
 
+/// Nothing can be seen past the image's rim: cells there do not keep a block from being all hidden.
+void DepthCells::hidePastTheRim(std::uint32_t block) {
+  const std::uint32_t tile = block / kTileBlocks, within = block % kTileBlocks;
+  const std::uint32_t x = (tile % grid_.tiles_x * kTileSide + within % kTileSide) * kBlockSide;
+  const std::uint32_t y = (tile / grid_.tiles_x * kTileSide + within / kTileSide) * kBlockSide;
+  if (x + kBlockSide <= grid_.width && y + kBlockSide <= grid_.height) return;
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    const bool past = x + i % kBlockSide >= grid_.width || y + i / kBlockSide >= grid_.height;
+    if (past) cells_[block][i] = kNearestOfAll;
+  }
+}
+
 float* DepthCells::cells(std::uint32_t block) {
+  markRaised(block);
   if (used_in_[block] != frame_) {
     used_in_[block] = frame_;
     cells_[block].fill(0.0F);
+    hidePastTheRim(block);
   }
   return cells_[block].data();
 }
@@ -99,7 +115,8 @@ bool DepthCells::certainlyHidden(const CellRect& rect, float nearest) {
 
 std::size_t DepthCells::bytes() const noexcept {
   return (least_.capacity() + tile_least_.capacity()) * sizeof(float) + tile_stale_.capacity() +
-         cells_.capacity() * sizeof(cells_[0]) + used_in_.capacity() * sizeof(std::uint32_t);
+         raised_.capacity() * sizeof(std::uint64_t) + cells_.capacity() * sizeof(cells_[0]) +
+         used_in_.capacity() * sizeof(std::uint32_t);
 }
 
 }  // namespace culld

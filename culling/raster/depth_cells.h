@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "culling/raster/cell_view.h"
@@ -25,8 +26,12 @@ class DepthCells {
   void reset(const CellGrid& grid);
 
   const CellGrid& grid() const noexcept { return grid_; }
-  /// The block's 64 cells, cell (i, j) at 8 * j + i.
+  /// The block's 64 cells, cell (i, j) at 8 * j + i, to be raised.
   float* cells(std::uint32_t block);
+  /// The same to be read; nullptr if nothing was raised there since reset().
+  const float* readCells(std::uint32_t block) const noexcept {
+    return used(block) ? cells_[block].data() : nullptr;
+  }
   /// True if cells() was called for the block since reset().
   bool used(std::uint32_t block) const noexcept { return used_in_[block] == frame_; }
   /// Every cell of the block is at least this near.
@@ -34,9 +39,11 @@ class DepthCells {
   void setLeastNearness(std::uint32_t block, float least) noexcept {
     least_[block] = least;
     forgetLeastOfTile(block / (kTileSide * kTileSide));
+    markRaised(block);
   }
 
-  /// leastNearness of the 64 blocks of a tile, to be raised; then the tile's own is to be told.
+  /// leastNearness of the 64 blocks of a tile, to be raised; then the tile's own is to be told, and
+  /// which blocks were.
   float* leastOfBlocks(std::uint32_t tile) noexcept {
     return least_.data() + std::size_t{tile} * kTileSide * kTileSide;
   }
@@ -47,6 +54,15 @@ class DepthCells {
     tile_stale_[tile] = 0;
   }
   void forgetLeastOfTile(std::uint32_t tile) noexcept { tile_stale_[tile] = 1; }
+  void markBlocksRaised(std::uint32_t tile, std::uint64_t blocks) noexcept {
+    raised_[tile] |= blocks;
+  }
+
+  /// The blocks of a tile in which something may have been raised since this was last asked, for
+  /// what is kept up to date beside the cells. Bit 8 * j + i: block (i, j) of the tile.
+  std::uint64_t takeRaised(std::uint32_t tile) noexcept {
+    return std::exchange(raised_[tile], std::uint64_t{0});
+  }
 
   /// Something in the rectangle, nowhere nearer than `nearest`, is hidden in every cell of it.
   /// Cells at the same nearness do not hide.
@@ -55,6 +71,10 @@ class DepthCells {
   std::size_t bytes() const noexcept;
 
  private:
+  void markRaised(std::uint32_t block) noexcept {
+    raised_[block / (kTileSide * kTileSide)] |= std::uint64_t{1} << block % (kTileSide * kTileSide);
+  }
+  void hidePastTheRim(std::uint32_t block);
   bool cellsHide(std::uint32_t block_x, std::uint32_t block_y, const CellRect& rect,
                  float nearest) const;
   bool tileHides(std::uint32_t tile_x, std::uint32_t tile_y, const CellRect& rect, float nearest);
@@ -63,6 +83,7 @@ class DepthCells {
   std::vector<float> least_;       ///< by block
   std::vector<float> tile_least_;  ///< least of a tile's blocks, or less if stale
   std::vector<std::uint8_t> tile_stale_;
+  std::vector<std::uint64_t> raised_;  ///< by tile
   std::vector<std::array<float, 64>> cells_;
   std::vector<std::uint32_t> used_in_;  ///< frame in which the block's cells were last cleared
   std::uint32_t frame_ = 0;

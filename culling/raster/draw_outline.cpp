@@ -71,6 +71,7 @@ class OutlineDrawing {
     }
     if (full != 0) {
       cells_.setLeastOfTile(tile, raiseOutline(tile_, full, least));
+      cells_.markBlocksRaised(tile, full);
     } else if (rim != 0) {
       cells_.forgetLeastOfTile(tile);
     }

@@ -4,12 +4,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
+#include "culling/raster/nearest_plane.h"
 #include "culling/raster/object_rows.h"
 #include "culling/raster/occludee_kernels.h"
-#include "culling/raster/rounding.h"
 #include "culling/raster/triangle_blocks.h"
 #include "culling/raster/triangle_setup.h"
 
@@ -23,62 +22,26 @@ constexpr std::array<float, 64> kNothingProven{};
 constexpr std::uint64_t kObjectNs = 150, kEightNs = 200, kEdgesNs = 1500, kBlockNs = 10;
 constexpr std::uint64_t kLookNs = 50'000;  ///< between two looks at the clock
 
-/// Nearness over the image is at most a * u + b * v + c, and at most `ceiling`.
-struct NearestPlane {
-  double a = 0.0, b = 0.0, c = std::numeric_limits<double>::infinity();
-  float ceiling;
+/// `plane` over one block.
+float nearestOver(const NearestPlane& plane, std::uint32_t block_x, std::uint32_t block_y) {
+  constexpr double kCells = kBlockSide;
+  const double u0 = kCells * block_x, v0 = kCells * block_y;
+  return plane.over(u0, u0 + kCells, v0, v0 + kCells);
+}
 
-  float over(std::uint32_t block_x, std::uint32_t block_y) const {
-    constexpr double kCells = kBlockSide;
-    const double u0 = kCells * block_x, v0 = kCells * block_y;
-    const double near = c + a * u0 + b * v0 + kCells * (std::max(a, 0.0) + std::max(b, 0.0));
-    const double terms = std::abs(c) + std::abs(a) * (u0 + kCells) + std::abs(b) * (v0 + kCells);
-    return std::max(std::min(floatUp(near + 0x1p-48 * terms), ceiling), 0.0F);
-  }
-
-  BlockNearest in(std::uint32_t block_x, std::uint32_t block_y) const {
-    constexpr double kCells = kBlockSide;
-    const double corner =
-        c + a * (kCells * block_x) + b * (kCells * block_y) + std::max(a, 0.0) + std::max(b, 0.0);
-    const double terms = std::abs(corner) + 8.0 * (std::abs(a) + std::abs(b)) +
-                         0x1p-26 * (std::abs(c) + std::abs(a) * (kCells * block_x) +
-                                    std::abs(b) * (kCells * block_y));
-    if (!(terms < 1e37)) return {0.0F, 0.0F, 3.0e38F, ceiling};
-    const double slack = 0x1p-20 * terms + 1e-37;  // 16 float roundings; the kernel needs 9
-    return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(corner + slack),
-            ceiling};
-  }
-};
-
-/// docs/error-model.md §5.2: the numerator's upper bound over the determinant's least size.
-NearestPlane nearestPlane(const std::array<CellVertex, 3>& p, const CellVertexError& e,
-                          const GridSize& g, const OrientedTriangle& t, float ceiling) {
-  constexpr double kUnit = 0x1p-53;
-  const std::array<const EdgeLine*, 3> opposite{&t.qr, &t.rp, &t.pq};
-  double a = 0.0, b = 0.0, c = 0.0, error = 0.0, terms = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const EdgeLine& line = *opposite[i];
-    const double n = p[i].n, size = std::abs(n);
-    a += line.a * n;
-    b += line.b * n;
-    c += line.c * n;
-    error += size * (line.error_a * g.width + line.error_b * g.height + line.error_c);
-    terms += size * (std::abs(line.a) * g.width + std::abs(line.b) * g.height + std::abs(line.c));
-  }
-  const double scale = (t.determinant > 0.0 ? 1.0 : -1.0) * (1.0 + 8.0 * kUnit) /
-                       (std::abs(t.determinant) - t.determinant_error);
-  NearestPlane out;
-  out.ceiling = ceiling;
-  a *= scale;
-  b *= scale;
-  c *= scale;
-  const double reach = std::abs(a) * g.width + std::abs(b) * g.height + std::abs(c);
-  c += 1.01 * ((error + 16.0 * kUnit * terms) * std::abs(scale) + e.n) + 16.0 * kUnit * reach;
-  if (!std::isfinite(reach) || !std::isfinite(c)) return out;
-  out.a = a;
-  out.b = b;
-  out.c = c;
-  return out;
+/// `plane` over the cells of one block.
+BlockNearest nearestIn(const NearestPlane& plane, std::uint32_t block_x, std::uint32_t block_y) {
+  constexpr double kCells = kBlockSide;
+  const double a = plane.a, b = plane.b, c = plane.c;
+  const double corner =
+      c + a * (kCells * block_x) + b * (kCells * block_y) + std::max(a, 0.0) + std::max(b, 0.0);
+  const double terms =
+      std::abs(corner) + 8.0 * (std::abs(a) + std::abs(b)) +
+      0x1p-26 * (std::abs(c) + std::abs(a) * (kCells * block_x) + std::abs(b) * (kCells * block_y));
+  if (!(terms < 1e37)) return {0.0F, 0.0F, 3.0e38F, plane.ceiling};
+  const double slack = 0x1p-20 * terms + 1e-37;  // 16 float roundings; the kernel needs 9
+  return {static_cast<float>(a), static_cast<float>(b), static_cast<float>(corner + slack),
+          plane.ceiling};
 }
 
 /// The row is positive on the whole object. Its largest coordinates are all that is known of it.
@@ -238,10 +201,12 @@ bool OwnTriangles::blockHidden(const TriangleBlocks& blocks, const NearestPlane&
                                std::uint32_t block_y) {
   const std::uint32_t block = cells_.grid().blockAt(block_x, block_y);
   const float least = cells_.leastNearness(block);
-  if (least > nearest.over(block_x, block_y)) return true;
+  if (least > nearestOver(nearest, block_x, block_y)) return true;
   if (!blocks.part(block_x, block_y, part_)) return true;
-  const float* nearness = cells_.used(block) ? cells_.cells(block) : kNothingProven.data();
-  const std::uint64_t open = cellsNotHiding(part_, nearest.in(block_x, block_y), least, nearness);
+  const float* drawn = cells_.readCells(block);
+  const float* nearness = drawn != nullptr ? drawn : kNothingProven.data();
+  const std::uint64_t open =
+      cellsNotHiding(part_, nearestIn(nearest, block_x, block_y), least, nearness);
   const CellRect cells{projected.cell_x0, projected.cell_x1, projected.cell_y0, projected.cell_y1};
   return (open & squareMask(cells, block_x * kBlockSide, block_y * kBlockSide)) == 0;
 }

@@ -101,7 +101,7 @@ void SheetRasterizer::drawBlock(const TriangleBlocks& blocks, std::uint32_t bloc
   const float least = cells.leastNearness(block);
   // Nothing of this object can raise the block: leave it out for all its triangles.
   if (least >= nearest) return;
-  if (blocks.nearest(block_x, block_y) <= least) {
+  if (!whole_ && blocks.nearest(block_x, block_y) <= least) {
     giveUp(block);
   } else if (blocks.part(block_x, block_y, part_)) {
     addTriangle(part_, sheetBlock(block), cells.cells(block));

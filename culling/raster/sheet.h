@@ -42,6 +42,10 @@ struct DrawnSheet {
 /// Scratch memory, reused from object to object.
 class SheetRasterizer {
  public:
+  /// With `whole`, what cells are raised to does not depend on what was drawn before, at the price
+  /// of more work: else a sheet is given up in a block once one of its triangles cannot raise that.
+  void drawWhole(bool whole) noexcept { whole_ = whole; }
+
   /// Raises `cells` wherever the object surely hides what is behind it. Cut short by the deadline,
   /// or for an object that would cover the image many times over, it raises less, never more.
   DrawnSheet draw(const SheetObject& object, const CellView& view,
@@ -75,6 +79,7 @@ class SheetRasterizer {
   const Deadline* deadline_ = nullptr;  ///< of the draw under way
   std::uint64_t work_left_ = 0;         ///< blocks, before the object is given up
   std::uint32_t work_to_look_ = 0;      ///< blocks, before the next look at the clock
+  bool whole_ = false;
   bool stopped_ = false;
   bool out_of_time_ = false;
   GridSize grid_{};
