@@ -32,17 +32,22 @@ double largest(const glm::dvec4& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Largest offset that any node can hold.
-double reachOf(const WideBvh& bvh) {
+Box boundsOf(const WideBvh& bvh) {
   Box box;
   for (std::uint32_t root = 0; root < bvh.rootCount(); ++root) box.grow(boundsOf(bvh.node(root)));
-  return box.empty() ? 0.0 : sumAbs(box.max - box.min) * kUp;
+  return box;
 }
+
+/// Largest offset that any node within `box` can hold.
+double reachOf(const Box& box) { return box.empty() ? 0.0 : sumAbs(box.max - box.min) * kUp; }
 
 }  // namespace
 
-FrustumTest::FrustumTest(const Camera& camera, const WideBvh& bvh) : eye_(camera.origin_world) {
-  const double reach = reachOf(bvh);
+FrustumTest::FrustumTest(const Camera& camera, const WideBvh& bvh)
+    : FrustumTest(camera, boundsOf(bvh)) {}
+
+FrustumTest::FrustumTest(const Camera& camera, const Box& everything) : eye_(camera.origin_world) {
+  const double reach = reachOf(everything);
   const MotionBound& motion = camera.motion;
   if (motion.angle_rad > 0.0) {
     turn_ = 2.0 * std::sin(std::min(motion.angle_rad, std::numbers::pi) / 2.0) * kUp;

@@ -34,6 +34,8 @@ class FrustumTest {
  public:
   /// For the nodes of `bvh`; looks only at the size of its roots, and keeps no reference.
   FrustumTest(const Camera& camera, const WideBvh& bvh);
+  /// For nodes that hold nothing outside `everything`.
+  FrustumTest(const Camera& camera, const Box& everything);
 
   /// Planes that can cull at all. An infinite far plane, for one, is left out.
   PlaneMask planes() const noexcept { return static_cast<PlaneMask>((1U << count_) - 1U); }
