@@ -50,7 +50,8 @@ struct CullStats {
   std::uint32_t in_frustum = 0;
   std::uint32_t occluders_drawn = 0;
   std::uint32_t triangles_drawn = 0;
-  std::uint32_t always_kept = 0;  ///< objects without a bound (skins, morphs, non-finite)
+  std::uint32_t always_kept = 0;        ///< objects without a bound (skins, morphs, non-finite)
+  std::uint64_t depth_comparisons = 0;  ///< of methods that count what they ask a pyramid
   /// The work as the method counts it, priced with constants measured once (docs/planner.md): the
   /// same number on every machine. 0 if the method does not price its work.
   std::chrono::nanoseconds work{0};

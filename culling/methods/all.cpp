@@ -4,6 +4,7 @@
 #include "culling/methods/frustum.h"
 #include "culling/methods/occlusion_map.h"
 #include "culling/methods/raster.h"
+#include "culling/methods/z_pyramid.h"
 #include "culling/planner/auto_method.h"
 
 namespace culld {
@@ -11,7 +12,8 @@ namespace culld {
 std::span<const Method* const> allMethods() noexcept {
   static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
   static const AutoMethod automatic(stages);
-  static const Method* const methods[] = {stages[0], stages[1], &occlusionMapMethod(), &automatic};
+  static const Method* const methods[] = {stages[0], stages[1], &occlusionMapMethod(),
+                                          &zPyramidMethod(), &automatic};
   return methods;
 }
 
