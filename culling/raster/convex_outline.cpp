@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "culling/core/piece_contour.h"
 #include "culling/raster/rounding.h"
 
 namespace culld {
@@ -88,14 +89,11 @@ bool setCells(const Extent& extent, const CellGrid& grid, CellRect& cells) {
 /// The edges between what turns to the eye and what does not. False: too many, or one is uncertain.
 bool addSides(const ConvexPiece& piece, const CellVertexError& error, int wanted,
               const Setup& setup, Extent& extent, ConvexOutline& out) {
-  const auto front = [&](std::uint8_t face) {
-    return face != kNoFace && (setup.front >> face & 1U) != 0;
-  };
   for (const PieceEdge& edge : piece.edges) {
-    const bool left = front(edge.left), right = front(edge.right);
-    if (!left && !right) continue;
+    const EdgeRole role = roleOf(edge, setup.front);
+    if (role == EdgeRole::kAway) continue;
     const CellVertex &from = setup.vertices[edge.from], &to = setup.vertices[edge.to];
-    if (left && right) {
+    if (role == EdgeRole::kInner) {
       extent.largest_w = std::max({extent.largest_w, from.w, to.w});
       extent.least_n = std::min({extent.least_n, from.n, to.n});
       continue;
@@ -103,7 +101,8 @@ bool addSides(const ConvexPiece& piece, const CellVertexError& error, int wanted
     extent.grow(from, error.w);
     extent.grow(to, error.w);
     if (out.side_count == kMostOutlineSides) return false;
-    const CellVertex &p = left ? from : to, &q = left ? to : from;
+    const bool forward = role == EdgeRole::kForward;
+    const CellVertex &p = forward ? from : to, &q = forward ? to : from;
     const SideLine side = sideOf(p, q, lineThrough(p, q, error), error, setup.grid, wanted);
     if (!side.usable()) return false;
     out.sides[out.side_count++] = side;
