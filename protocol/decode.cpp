@@ -243,6 +243,44 @@ Edit read(Reader& in, const fbs::Edit& m) {
   return out;
 }
 
+std::vector<Place> read(const flatbuffers::Vector<const fbs::Place*>* v) {
+  static_assert(sizeof(fbs::Place) == 7 * sizeof(double));
+  std::vector<Place> out(v == nullptr ? 0 : v->size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    // The verifier does not see to the alignment of a vector's elements.
+    std::array<double, 7> n{};
+    std::memcpy(n.data(), v->Data() + i * sizeof n, sizeof n);
+    out[i] = {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}, n[6]};
+  }
+  return out;
+}
+
+/// More than every server answers is no question.
+bool tooMany(Reader& in, const char* what, std::uint64_t viewers, std::uint64_t targets) {
+  if (viewers * targets <= kMaxPairs) return false;  // both have 32 bits
+  in.fail(ErrorCode::kLimit, std::string(what) + ": " + std::to_string(viewers) + " viewers x " +
+                                 std::to_string(targets) + " targets > " +
+                                 std::to_string(kMaxPairs));
+  return true;
+}
+
+Pairs read(Reader& in, const fbs::Pairs& m) {
+  const auto count = [](const auto* v) { return v == nullptr ? 0U : v->size(); };
+  if (tooMany(in, "pairs", count(m.viewers()), count(m.targets()))) return {};
+  return {read(m.viewers()), read(m.targets()), m.time_us()};
+}
+
+PairsAnswer read(Reader& in, const fbs::PairsAnswer& m) {
+  if (tooMany(in, "pairs answer", m.viewers(), m.targets())) return {};
+  PairsAnswer out{m.scene_version(), m.viewers(), m.targets(), copy(m.may_see()),
+                  m.out_of_budget(), m.cull_ns(), m.queue_ns()};
+  const std::size_t pairs = std::size_t{out.viewers} * out.targets;
+  if (out.may_see.size() != (pairs + 7) / 8) {
+    in.fail(ErrorCode::kInvalidInput, "pairs answer: may_see does not fit the number of pairs");
+  }
+  return out;
+}
+
 SceneChanged read(Reader& in, const fbs::SceneChanged& m) {
   SceneChanged out;
   out.replaced = m.replaced();
@@ -285,6 +323,10 @@ Body readBody(Reader& in, const fbs::Message& m) {
       return GoAway{in.text(m.body_as_GoAway()->reason(), "reason")};
     case fbs::Body::Cancel:
       return Cancel{m.body_as_Cancel()->request_id()};
+    case fbs::Body::Pairs:
+      return read(in, *m.body_as_Pairs());
+    case fbs::Body::PairsAnswer:
+      return read(in, *m.body_as_PairsAnswer());
     case fbs::Body::NONE:
       break;
   }

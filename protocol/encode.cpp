@@ -166,6 +166,28 @@ Written write(FlatBufferBuilder& out, const Cancel& m) {
   return {fbs::Body::Cancel, fbs::CreateCancel(out, m.request_id).Union()};
 }
 
+Offset<flatbuffers::Vector<const fbs::Place*>> write(FlatBufferBuilder& out,
+                                                     const std::vector<Place>& places) {
+  std::vector<fbs::Place> structs;
+  structs.reserve(places.size());
+  for (const Place& p : places) structs.emplace_back(vec3(p.min), vec3(p.max), p.radius_m);
+  return out.CreateVectorOfStructs(structs);
+}
+
+Written write(FlatBufferBuilder& out, const Pairs& m) {
+  const auto viewers = write(out, m.viewers);
+  const auto targets = write(out, m.targets);
+  return {fbs::Body::Pairs, fbs::CreatePairs(out, viewers, targets, m.time_us).Union()};
+}
+
+Written write(FlatBufferBuilder& out, const PairsAnswer& m) {
+  const auto may_see = out.CreateVector(m.may_see);
+  return {fbs::Body::PairsAnswer,
+          fbs::CreatePairsAnswer(out, m.scene_version, m.viewers, m.targets, may_see,
+                                 m.out_of_budget, m.cull_ns, m.queue_ns)
+              .Union()};
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encode(const Message& message) {

@@ -11,6 +11,7 @@ inline constexpr std::size_t kMaxReplyBytes = std::size_t{64} << 20;     ///< se
 inline constexpr std::size_t kMaxTextBytes = 4096;        ///< any string of a message
 inline constexpr std::uint32_t kMaxViews = 64;            ///< open at once on one connection
 inline constexpr std::uint32_t kMaxEdits = 1024;          ///< in one Edit
+inline constexpr std::size_t kMaxPairs = 65'536;          ///< viewers x targets of one Pairs
 inline constexpr std::uint32_t kMaxObjects = 16'000'000;  ///< ids are below this
 inline constexpr std::uint32_t kMaxImageSide = 65536;
 

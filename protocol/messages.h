@@ -47,6 +47,7 @@ struct SceneInfo {
 using Features = std::uint64_t;
 inline constexpr Features kFeatureCancel = 1;     ///< Cancel is understood
 inline constexpr Features kFeatureDeadlines = 2;  ///< CameraUpdate::deadline_us is heeded
+inline constexpr Features kFeaturePairs = 4;      ///< Pairs is answered
 
 struct Hello {
   std::uint32_t proto_min = 0, proto_max = 0;
@@ -239,9 +240,33 @@ struct Cancel {
   bool operator==(const Cancel&) const = default;
 };
 
-using Body =
-    std::variant<Hello, Welcome, OpenView, ViewOpened, CloseView, ViewClosed, CameraUpdate, Answer,
-                 Edit, Edited, Ping, Pong, SceneChanged, ErrorReply, GoAway, Cancel>;
+/// Somewhere in the box, and from there up to `radius_m` away.
+struct Place {
+  std::array<double, 3> min{}, max{};  ///< world space, metres; equal for a point
+  double radius_m = 0.0;               ///< motion bound
+  bool operator==(const Place&) const = default;
+};
+
+/// Which viewers may see which targets?
+struct Pairs {
+  std::vector<Place> viewers, targets;
+  std::uint32_t time_us = 0;  ///< 0: no limit; past it what is not proven hidden is kept
+  bool operator==(const Pairs&) const = default;
+};
+
+struct PairsAnswer {
+  std::uint64_t scene_version = 0;
+  std::uint32_t viewers = 0, targets = 0;
+  /// Bit v * targets + t, lowest of each byte first: 0 only if it is proven that they cannot.
+  std::vector<std::uint8_t> may_see;
+  bool out_of_budget = false;
+  std::uint64_t cull_ns = 0, queue_ns = 0;
+  bool operator==(const PairsAnswer&) const = default;
+};
+
+using Body = std::variant<Hello, Welcome, OpenView, ViewOpened, CloseView, ViewClosed, CameraUpdate,
+                          Answer, Edit, Edited, Ping, Pong, SceneChanged, ErrorReply, GoAway,
+                          Cancel, Pairs, PairsAnswer>;
 
 /// Replies carry the id of the request they answer; what the server sends unasked has id 0.
 struct Message {

@@ -191,6 +191,8 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
       return startCull(std::move(cull->job));
     } else if (auto* edit = std::get_if<StartEdit>(&action)) {
       startEdit(std::move(edit->job));
+    } else if (auto* pairs = std::get_if<StartPairs>(&action)) {
+      startPairs(std::move(pairs->job));
     } else {
       leaving_ = *std::get_if<Close>(&action);
     }
@@ -227,6 +229,21 @@ class LiveConnection final : public LivePeer, public std::enable_shared_from_thi
     }
     grant_.tenant->culled(report.cull, context_.clock.now());
     return actions;
+  }
+
+  void startPairs(PairsJob job) {
+    context_.workers.post(grant_.tenant->name(), [self = shared_from_this(),
+                                                  job = std::move(job)]() mutable {
+      Context& context = self->context_;
+      auto outcome = std::make_shared<PairsOutcome>(runPairs(std::move(job), context.clock));
+      context.onIoThread([self = std::move(self), outcome] { self->paired(std::move(*outcome)); });
+    });
+  }
+
+  void paired(PairsOutcome outcome) {
+    context_.metrics.paired(outcome.pairs, outcome.hidden, outcome.took);
+    grant_.tenant->culled(outcome.took, context_.clock.now());
+    apply(session_.paired(std::move(outcome)));
   }
 
   void startEdit(EditJob job) {

@@ -64,6 +64,12 @@ struct Metrics::Impl {
   Counter& superseded =
       counter(registry, "culld_cameras_superseded_total", "Cameras passed over for newer ones");
   Counter& edits = counter(registry, "culld_edits_total", "Edit messages applied");
+  Counter& pairs =
+      counter(registry, "culld_pairs_total", "Pairs of viewers and targets that were asked about");
+  Counter& hidden_pairs =
+      counter(registry, "culld_pairs_hidden_total", "Pairs that were proven hidden");
+  Counter& pair_seconds =
+      counter(registry, "culld_pairs_seconds_total", "Time spent on questions about pairs");
   Counter& received =
       counter(registry, "culld_received_bytes_total", "Bytes of live messages read");
   prometheus::Family<Counter>& errors = BuildCounter()
@@ -142,6 +148,11 @@ void Metrics::certificateExpires(std::int64_t unix_s) {
 }
 
 void Metrics::edited() { impl_->edits.Increment(); }
+void Metrics::paired(std::size_t pairs, std::size_t hidden, std::chrono::nanoseconds took) {
+  impl_->pairs.Increment(static_cast<double>(pairs));
+  impl_->hidden_pairs.Increment(static_cast<double>(hidden));
+  impl_->pair_seconds.Increment(std::chrono::duration<double>(took).count());
+}
 void Metrics::received(std::size_t bytes) { impl_->received.Increment(static_cast<double>(bytes)); }
 
 void Metrics::httpRequest(std::string_view method, unsigned status) {

@@ -58,8 +58,21 @@ std::shared_ptr<const Culler> SceneVersion::readyCuller(const Method& method) co
   return lock && slot.culler && slot.culler->ok() ? slot.culler->value() : nullptr;
 }
 
+std::shared_ptr<const PairsCuller> SceneVersion::pairs() const {
+  const std::lock_guard lock(pairs_mutex_);
+  if (!pairs_are_ours_) {
+    pairs_ = pairs_ ? pairs_->edited(*snapshot_) : std::make_shared<const PairsCuller>(*snapshot_);
+    pairs_are_ours_ = true;
+  }
+  return pairs_;
+}
+
 SceneVersionPtr SceneVersion::edited(SnapshotPtr next, std::span<const ObjectId> changed) const {
   std::shared_ptr<SceneVersion> version(new SceneVersion(*this, std::move(next)));
+  {
+    const std::lock_guard lock(pairs_mutex_);
+    version->pairs_ = pairs_;
+  }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const std::lock_guard lock(slots_[i].mutex);
     if (!slots_[i].culler || !slots_[i].culler->ok()) continue;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/pairs/pairs.h"
 #include "culling/scene/edit.h"
 #include "server/edit_store.h"
 
@@ -37,6 +38,9 @@ class SceneVersion {
   /// The same if it is there already; null else, and while it is being prepared. Does not wait.
   std::shared_ptr<const Culler> readyCuller(const Method& method) const;
 
+  /// For questions about pairs. Prepared once; others who ask meanwhile wait.
+  std::shared_ptr<const PairsCuller> pairs() const;
+
   /// The next version of the same epoch, with the prepared cullers refitted. Waits for a method
   /// that is just being prepared: it would start from nothing otherwise, at every edit.
   std::shared_ptr<const SceneVersion> edited(SnapshotPtr next,
@@ -56,6 +60,10 @@ class SceneVersion {
   std::uint64_t epoch_;
   SceneProfile profile_;
   mutable std::vector<Slot> slots_;  ///< one per method
+  mutable std::mutex pairs_mutex_;
+  mutable std::shared_ptr<const PairsCuller>
+      pairs_;  ///< an earlier version's until it is asked for
+  mutable bool pairs_are_ours_ = false;
 };
 
 using SceneVersionPtr = std::shared_ptr<const SceneVersion>;

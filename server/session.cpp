@@ -97,7 +97,8 @@ void Session::handle(std::uint64_t id, const protocol::Hello& m) {
   welcome.limits.max_text_bytes = static_cast<std::uint32_t>(protocol::kMaxTextBytes);
   welcome.limits.max_image_side_px = protocol::kMaxImageSide;
   welcome.limits.kept_frames = static_cast<std::uint32_t>(limits_.kept_frames);
-  welcome.features = protocol::kFeatureCancel | protocol::kFeatureDeadlines;
+  welcome.features =
+      protocol::kFeatureCancel | protocol::kFeatureDeadlines | protocol::kFeaturePairs;
   told_epoch_ = scene->epoch();
   told_version_ = welcome.scene.version;
   reply(id, std::move(welcome));
@@ -154,16 +155,19 @@ void Session::handle(std::uint64_t id, const protocol::CameraUpdate& m) {
     return fail(id, WireCode::kLimitExceeded, viewName(m.view) + ": " + fullText());
   }
   acknowledge(view, m.ack_frame);
-  const auto spent = rights_.tenant ? rights_.tenant->refuseCull(now_) : std::nullopt;
-  if (spent) {
-    fail(id, WireCode::kQuotaExceeded, viewName(m.view) + ": " + spent->message);
-    std::get_if<Send>(&actions_.back())->quota = spent->reason;
-    return;
-  }
+  if (refusedByQuota(id, viewName(m.view))) return;
   if (view.mailbox) ++view.superseded;
   view.mailbox = WaitingCamera{id, camera.value(), demand.value(), now_, {}};
   if (m.deadline_us != 0) view.mailbox->deadline = now_ + std::chrono::microseconds(m.deadline_us);
   startCull(m.view, view);
+}
+
+bool Session::refusedByQuota(std::uint64_t id, const std::string& what) {
+  const auto spent = rights_.tenant ? rights_.tenant->refuseCull(now_) : std::nullopt;
+  if (!spent) return false;
+  fail(id, WireCode::kQuotaExceeded, what + ": " + spent->message);
+  std::get_if<Send>(&actions_.back())->quota = spent->reason;
+  return true;
 }
 
 void Session::handle(std::uint64_t id, protocol::Edit& m) {
@@ -206,6 +210,7 @@ void Session::handle(std::uint64_t, const protocol::Cancel& m) {
   if (cancelled != 0) {
     fail(m.request_id, WireCode::kCancelled, "edit: cancelled before it was applied");
   }
+  cancelPairs(m.request_id);
 }
 
 // --- work done -----------------------------------------------------------------------------------
@@ -249,6 +254,7 @@ Actions Session::edited(EditDone done) {
   actions_.emplace_back(Send{std::move(done.message), {}, done.error});
   startEdit();
   startCulls();
+  startPairs();
   return take();
 }
 
@@ -297,7 +303,8 @@ bool Session::drained() const noexcept {
   const bool waiting = std::any_of(views_.begin(), views_.end(), [](const auto& entry) {
     return entry.second.mailbox.has_value();
   });
-  return jobs_ == 0 && unsent_ == 0 && !editing_ && waiting_edits_.empty() && !waiting;
+  return jobs_ == 0 && unsent_ == 0 && !editing_ && waiting_edits_.empty() &&
+         waiting_pairs_.empty() && !waiting;
 }
 
 // --- inner workings ------------------------------------------------------------------------------

@@ -15,6 +15,7 @@
 #include "protocol/messages.h"
 #include "server/jobs.h"
 #include "server/limits.h"
+#include "server/pairs_job.h"
 #include "server/quota.h"
 #include "server/scene.h"
 
@@ -46,11 +47,14 @@ struct StartCull {
 struct StartEdit {
   EditJob job;
 };
+struct StartPairs {
+  PairsJob job;
+};
 struct Close {
   std::uint16_t code = 1000;  ///< RFC 6455 §7.4.1
   std::string reason;
 };
-using Action = std::variant<Send, StartCull, StartEdit, Close>;
+using Action = std::variant<Send, StartCull, StartEdit, StartPairs, Close>;
 using Actions = std::vector<Action>;
 
 /// GUARANTEES: at most one job and one unsent answer per view; a newer camera replaces a waiting
@@ -68,6 +72,8 @@ class Session {
   /// REQUIRES: `outcome` came of a StartCull of this session.
   Actions culled(CullOutcome outcome);
   Actions edited(EditDone done);
+  /// REQUIRES: `outcome` came of a StartPairs of this session.
+  Actions paired(PairsOutcome outcome);
   /// The bytes of a Send have left this process.
   Actions sent(const SendTag& tag);
   /// The scene was edited or replaced, by whomever.
@@ -126,11 +132,15 @@ class Session {
   void handle(std::uint64_t id, protocol::Edit& m);
   void handle(std::uint64_t id, const protocol::Ping& m);
   void handle(std::uint64_t id, const protocol::Cancel& m);
+  void handle(std::uint64_t id, protocol::Pairs& m);
   void dispatch(protocol::Message& message);
 
   void reply(std::uint64_t id, protocol::Body body);
   void fail(std::uint64_t id, protocol::WireCode code, const std::string& message);
   void giveUp(View& view);
+  bool refusedByQuota(std::uint64_t id, const std::string& what);
+  void startPairs();
+  void cancelPairs(std::uint64_t request_id);
   bool full() const;
   std::string fullText() const;
   void refuseWaiting(std::uint32_t number, View& view, protocol::WireCode code, const char* why);
@@ -159,7 +169,13 @@ class Session {
   std::uint64_t next_incarnation_ = 1;
   std::deque<EditJob> waiting_edits_;
   bool editing_ = false;
-  std::size_t jobs_ = 0;    ///< culls that run, those of closed views too
+  std::deque<PairsJob> waiting_pairs_;  ///< for edits that came before them
+  struct RunningPairs {
+    std::uint64_t request_id = 0;
+    std::shared_ptr<JobGate> gate;
+  };
+  std::vector<RunningPairs> running_pairs_;
+  std::size_t jobs_ = 0;  ///< that run: culls, those of closed views too, and questions about pairs
   std::size_t unsent_ = 0;  ///< messages not yet reported sent
   // What the client was last told about the scene.
   std::uint64_t told_epoch_ = 0;

@@ -35,6 +35,8 @@ std::optional<Time> Session::nextTick() const {
 
 void Session::hangUp() {
   for (auto& [number, view] : views_) giveUp(view);
+  waiting_pairs_.clear();
+  for (const RunningPairs& running : running_pairs_) running.gate->drop();
 }
 
 /// Those who asked for the view's answers have gone.
@@ -49,7 +51,8 @@ bool Session::full() const {
   const auto waiting = std::count_if(views_.begin(), views_.end(), [](const auto& entry) {
     return entry.second.mailbox.has_value();
   });
-  return jobs_ + static_cast<std::size_t>(waiting) + waiting_edits_.size() + (editing_ ? 1U : 0U) >=
+  return jobs_ + static_cast<std::size_t>(waiting) + waiting_edits_.size() + waiting_pairs_.size() +
+             (editing_ ? 1U : 0U) >=
          limits_.max_requests_in_flight;
 }
 

@@ -61,6 +61,15 @@ Result<Demand> toEngine(const protocol::Demand& demand) {
   return out;
 }
 
+std::vector<Place> toEngine(std::span<const protocol::Place> places) {
+  std::vector<Place> out;
+  out.reserve(places.size());
+  for (const protocol::Place& p : places) {
+    out.push_back({{{p.min[0], p.min[1], p.min[2]}, {p.max[0], p.max[1], p.max[2]}}, p.radius_m});
+  }
+  return out;
+}
+
 std::vector<Edit> toEngine(std::span<const protocol::EditItem> edits) {
   std::vector<Edit> out;
   out.reserve(edits.size());

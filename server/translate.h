@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/pairs/places.h"
 #include "culling/scene/edit.h"
 #include "protocol/messages.h"
 
@@ -15,6 +16,7 @@ namespace culld::server {
 Result<Camera> toEngine(const protocol::Camera& camera);
 /// ERROR: kInvalidInput: not finite or negative.
 Result<Demand> toEngine(const protocol::Demand& demand);
+std::vector<Place> toEngine(std::span<const protocol::Place> places);
 std::vector<Edit> toEngine(std::span<const protocol::EditItem> edits);
 
 protocol::Guarantee toWire(Guarantee guarantee) noexcept;

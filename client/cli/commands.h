@@ -69,6 +69,13 @@ struct EditArguments {
 };
 int runEdit(const Server& server, const EditArguments& arguments);
 
+struct PairsArguments {
+  std::string scene, viewers, targets;  ///< files of places
+  std::uint32_t time_us = 0;
+  bool json = false;
+};
+int runPairs(const Server& server, const PairsArguments& arguments);
+
 struct WatchArguments {
   std::string scene;
   std::uint32_t count = 0;  ///< lines; 0: until interrupted

@@ -18,6 +18,7 @@ struct Arguments {
   std::uint32_t count = 1;
   FlyArguments fly;
   EditArguments edit;
+  PairsArguments pairs;
   WatchArguments watch;
   LoadArguments load;
 };
@@ -105,6 +106,16 @@ void addEdit(CLI::App& app, Arguments& a, Command& command) {
   watch->callback([&] { command = [&](const Server& at) { return runWatch(at, a.watch); }; });
 }
 
+void addPairs(CLI::App& app, Arguments& a, Command& command) {
+  CLI::App* pairs = app.add_subcommand("pairs", "Tell which viewers may see which targets");
+  pairs->add_option("NAME", a.pairs.scene, "scene on the server")->required();
+  pairs->add_option("--viewers", a.pairs.viewers, "places file, a JSON list")->required();
+  pairs->add_option("--targets", a.pairs.targets, "places file, a JSON list")->required();
+  pairs->add_option("--time-us", a.pairs.time_us, "time in microseconds; 0: no limit");
+  pairs->add_flag("--json", a.pairs.json, "print JSON");
+  pairs->callback([&] { command = [&](const Server& at) { return runPairs(at, a.pairs); }; });
+}
+
 /// CLI::Range lets NaN through.
 CLI::Validator aNumber() {
   const auto check = [](const std::string& text) {
@@ -165,6 +176,7 @@ int run(int argc, char** argv) {
   addPing(app, arguments, command);
   addCull(app, arguments, command);
   addEdit(app, arguments, command);
+  addPairs(app, arguments, command);
   addLoad(app, arguments, command);
   refuseEmptyText(app);
   try {

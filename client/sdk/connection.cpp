@@ -93,6 +93,30 @@ Result<EditOutcome> Connection::edit(std::vector<EditItem> edits, std::uint64_t 
   return await(edited, *impl_, "reply");
 }
 
+void Connection::pairs(std::vector<Place> viewers, std::vector<Place> targets,
+                       std::chrono::microseconds time, OnPairs callback) {
+  const auto us = std::clamp<std::int64_t>(time.count(), 0, 0xFFFFFFFF);
+  impl_->request(
+      protocol::Pairs{std::move(viewers), std::move(targets), static_cast<std::uint32_t>(us)},
+      [name = impl_->name, callback = std::move(callback)](const Impl::Reply& reply) {
+        if (!reply) return callback(reply.error());
+        const auto* answer = std::get_if<protocol::PairsAnswer>(&reply.value());
+        if (answer == nullptr) return callback(unexpectedReply(name));
+        callback(PairsOutcome{answer->scene_version, answer->viewers, answer->targets,
+                              answer->may_see, answer->out_of_budget,
+                              std::chrono::nanoseconds(answer->cull_ns),
+                              std::chrono::nanoseconds(answer->queue_ns)});
+      });
+}
+
+Result<PairsOutcome> Connection::pairs(std::vector<Place> viewers, std::vector<Place> targets,
+                                       std::chrono::microseconds time) {
+  if (auto refused = impl_->refuseWait()) return *std::move(refused);
+  auto [callback, answered] = promised<PairsOutcome>();
+  pairs(std::move(viewers), std::move(targets), time, std::move(callback));
+  return await(answered, *impl_, "reply");
+}
+
 void Connection::ping(OnPong callback) {
   const auto start = std::chrono::steady_clock::now();
   impl_->request(protocol::Ping{1}, [name = impl_->name, start,

@@ -5,7 +5,6 @@
 #include <tuple>
 #include <utility>
 
-#include "culling/occluders/occluder_set.h"
 #include "culling/pairs/blocker.h"
 #include "culling/pairs/segment_tree.h"
 
@@ -82,8 +81,16 @@ void PairsCuller::Blockers::plant() {
   tree = SegmentTree(boxes);
 }
 
-PairsCuller::PairsCuller(const SceneSnapshot& scene) {
-  const OccluderSet set = OccluderSet::of(scene);
+PairsCuller::PairsCuller(const SceneSnapshot& scene)
+    : PairsCuller(scene, std::make_shared<const OccluderSet>(OccluderSet::of(scene))) {}
+
+std::unique_ptr<const PairsCuller> PairsCuller::edited(const SceneSnapshot& next) const {
+  return std::unique_ptr<const PairsCuller>(new PairsCuller(next, pieces_));
+}
+
+PairsCuller::PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const OccluderSet> pieces)
+    : pieces_(std::move(pieces)) {
+  const OccluderSet& set = *pieces_;
   std::vector<std::pair<double, Candidate>> found;
   for (std::size_t i = 0; i < scene.objectCount(); ++i) {
     const auto object = static_cast<ObjectId>(i);
@@ -118,7 +125,7 @@ std::size_t PairsCuller::blockers() const noexcept {
 std::size_t PairsCuller::leftOut() const noexcept { return blockers_->left_out; }
 
 std::size_t PairsCuller::bytes() const noexcept {
-  std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes();
+  std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes() + pieces_->bytes();
   for (const SolidBlocker& solid : blockers_->solids) bytes += solid.bytes();
   for (const FaceBlocker& face : blockers_->faces) bytes += face.bytes();
   return bytes;

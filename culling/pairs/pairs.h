@@ -12,6 +12,7 @@
 
 #include "culling/core/clock.h"
 #include "culling/core/result.h"
+#include "culling/occluders/occluder_set.h"
 #include "culling/pairs/places.h"
 #include "culling/scene/scene_snapshot.h"
 
@@ -37,6 +38,8 @@ class PairsCuller {
   /// in convex pieces, O(triangles) to find them.
   explicit PairsCuller(const SceneSnapshot& scene);
   ~PairsCuller();
+  /// The same for another version of the scene. COST: O(n log n): only the pieces are known.
+  std::unique_ptr<const PairsCuller> edited(const SceneSnapshot& next) const;
 
   /// `time`: 0 for no limit. ERROR: kInvalidInput: a place that is empty, not finite or farther out
   /// than 1e100 m, or a radius that is no number from 0 to 1e100; names it.
@@ -50,6 +53,9 @@ class PairsCuller {
 
  private:
   struct Blockers;
+  PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const OccluderSet> pieces);
+
+  std::shared_ptr<const OccluderSet> pieces_;  ///< of the meshes, which no edit changes
   std::unique_ptr<const Blockers> blockers_;
 };
 

@@ -64,7 +64,10 @@ class Play {
  private:
   void step() {
     const std::uint8_t kind = script_.byte();
-    if (kind >= 240) return sayCancel();  // not a case below: old inputs keep their meaning
+    // Not cases below: old inputs keep their meaning.
+    if (kind >= 240) return sayCancel();
+    if (kind >= 236) return sayPairs();
+    if (kind >= 234) return finishPairs();
     switch (kind % 10) {
       case 0:
         return say(wire::Hello{script_.byte() % 3U, script_.byte() % 3U, "f"});
@@ -103,6 +106,20 @@ class Play {
     if (more >= 128) update.deadline_us = 1U << (more % 32U);
     update.camera.pose = look;
     say(update);
+  }
+
+  void sayPairs() {
+    const auto places = [this](std::size_t count) {
+      std::vector<wire::Place> made(count);
+      for (wire::Place& place : made) {
+        place.min = {static_cast<double>(script_.byte()), 0.25, script_.byte() - 128.0};
+        place.max = place.min;
+        place.max[0] += script_.byte() % 4 - 1.0;  // sometimes no box
+      }
+      return made;
+    };
+    const std::uint8_t counts = script_.byte();
+    say(wire::Pairs{places(counts % 4U), places(counts / 4U % 8U), 0});
   }
 
   void sayCancel() {
@@ -162,6 +179,13 @@ class Play {
     absorb(session_.culled(runCull(std::move(job), clock_)));
   }
 
+  void finishPairs() {
+    if (pairs_.empty()) return;
+    PairsJob job = std::move(pairs_.front());
+    pairs_.pop_front();
+    absorb(session_.paired(runPairs(std::move(job), clock_)));
+  }
+
   void finishEdit() {
     if (edits_.empty()) return;
     EditJob job = std::move(edits_.front());
@@ -195,6 +219,8 @@ class Play {
       } else if (auto* edit = std::get_if<StartEdit>(&action)) {
         require(edits_.empty());
         edits_.push_back(std::move(edit->job));
+      } else if (auto* pairs = std::get_if<StartPairs>(&action)) {
+        pairs_.push_back(std::move(pairs->job));
       } else {
         closed_ = true;
       }
@@ -213,6 +239,9 @@ class Play {
       require(error->code != wire::WireCode::kCancelled || cancelled_.contains(id));
       require(error->code != wire::WireCode::kCancelled || replied_.insert(id).second);
     }
+    if (std::holds_alternative<wire::PairsAnswer>(message.value().body)) {
+      require(replied_.insert(id).second);
+    }
     const auto* answer = std::get_if<wire::Answer>(&message.value().body);
     if (answer == nullptr) return;
     require(replied_.insert(id).second);
@@ -228,13 +257,18 @@ class Play {
 
   /// The socket and the workers catch up: the session must come to rest.
   void finish() {
-    for (int i = 0; i < 1000 && !(culls_.empty() && edits_.empty() && unsent_.empty()); ++i) {
+    for (int i = 0; i < 1000 && !idle(); ++i) {
       finishCull();
+      finishPairs();
       finishEdit();
       reportSent();
     }
-    require(culls_.empty() && edits_.empty() && unsent_.empty());
+    require(idle());
     require(closed_ || session_.drained());
+  }
+
+  bool idle() const {
+    return culls_.empty() && edits_.empty() && pairs_.empty() && unsent_.empty();
   }
 
   Script script_;
@@ -251,6 +285,7 @@ class Play {
   std::set<std::uint64_t> replied_;  ///< answered or cancelled
   std::vector<CullJob> culls_;
   std::deque<EditJob> edits_;
+  std::deque<PairsJob> pairs_;
   std::deque<SendTag> unsent_;
   std::set<std::uint64_t> running_;
   std::set<std::uint64_t> waiting_answers_;

@@ -121,6 +121,9 @@ inline std::vector<GoldenMessage> goldenMessages() {
       {"error_reply", {11, ErrorReply{WireCode::kCancelled, "view 1: cancelled while it waited"}}},
       {"go_away", {0, GoAway{"the server is shutting down"}}},
       {"cancel", {12, Cancel{1ULL << 40U}}},
+      {"pairs",
+       {13, Pairs{{{{1, 2, 3}, {1, 2, 3}, 0.5}}, {{{-4, 0, 4}, {-3.5, 1.75, 4.5}, 0}}, 2000}}},
+      {"pairs_answer", {13, PairsAnswer{7, 3, 3, {0x5D, 0x01}, true, 1500, 250}}},
   };
 }
 

@@ -188,6 +188,40 @@ TEST_F(SdkTest, SeesItsOwnEditInTheNextAnswer) {
   EXPECT_EQ(view.cull(camera).value()->visible, (Ids{1, 2, 3, 5, 6, 7, 8, 9}));
 }
 
+TEST_F(SdkTest, TellsWhichViewersMaySeeWhichTargets) {
+  put("row", rowOfTriangles());
+  auto connection = connect("row", unix_);
+  ASSERT_NE(connection, nullptr);
+  const Place before{{2.25, 0.25, 5}, {2.25, 0.25, 5}, 0.0};
+  const Place behind{{2.25, 0.25, -5}, {2.25, 0.25, -5}, 0.0};
+  const Place beside{{-20, 0, -5}, {-19, 1, -4}, 0.5};
+  const auto outcome = connection->pairs({before, behind}, {behind, beside, before});
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  EXPECT_EQ(outcome.value().viewers, 2U);
+  EXPECT_EQ(outcome.value().targets, 3U);
+  EXPECT_FALSE(outcome.value().maySee(0, 0));
+  EXPECT_TRUE(outcome.value().maySee(0, 1));
+  EXPECT_TRUE(outcome.value().maySee(0, 2));
+  EXPECT_TRUE(outcome.value().maySee(1, 2)) << "triangles have one side";
+
+  ASSERT_TRUE(connection->edit({{protocol::EditKind::kHide, 1, {}}}).ok());
+  const auto after = connection->pairs({before}, {behind});
+  ASSERT_TRUE(after.ok()) << after.error().message;
+  EXPECT_TRUE(after.value().maySee(0, 0));
+  EXPECT_EQ(after.value().scene_version, 2U);
+
+  const Place none{{1, 0, 0}, {0, 0, 0}, 0.0};
+  const auto refused = connection->pairs({before}, {behind, none});
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidInput);
+  EXPECT_NE(refused.error().message.find("target 1: an empty box"), std::string::npos)
+      << refused.error().message;
+  const auto many =
+      connection->pairs(std::vector<Place>(300, before), std::vector<Place>(300, behind));
+  ASSERT_FALSE(many.ok());
+  EXPECT_EQ(many.error().code, ErrorCode::kLimit) << many.error().message;
+}
+
 TEST_F(SdkTest, LeavesTheSceneAloneWhenOneEditIsWrongOrTheVersionIsAnother) {
   put("row", rowOfTriangles());
   auto connection = connect("row", tcp_);

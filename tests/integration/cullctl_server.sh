@@ -26,6 +26,7 @@ die() {
 
 start_server() {
   unix=unix:$work/culld.sock
+  : >"$work/culld.log"  # it is read before the daemon has opened it
   "$bin/culld" serve --listen 127.0.0.1:0 --unix "$work/culld.sock" "$@" >"$work/culld.log" 2>&1 &
   daemon=$!
   for _ in $(seq 300); do

@@ -48,7 +48,8 @@ for program in culld cullctl; do
 done
 expect "culld cull x.glb --guarantee " conservative hole sampled approximate
 expect "culld cull x.glb --me" --method
-expect "culld cull x.glb --method " frustum raster auto
+mapfile -t methods < <("$bin/culld" methods --json | python3 -c 'import json, sys; [print(m["name"]) for m in json.load(sys.stdin)]')
+expect "culld cull x.glb --method " "${methods[@]}"
 expect "culld cull ra" random.glb
 expect "culld serve --scene city=ran" random.glb
 expect "culld serve --threads " ""

@@ -77,7 +77,9 @@ std::vector<Body> everyBody() {
           SceneChanged{scene, true},
           ErrorReply{WireCode::kInvalidCamera, "view 1: eye.x is not finite"},
           GoAway{"bye"},
-          Cancel{1ULL << 40U}};
+          Cancel{1ULL << 40U},
+          Pairs{{{{1, 2, 3}, {4, 5, 6}, 0.5}}, {{}, {{-1, 0, 1}, {0, 1, 2}, 0}}, 77},
+          PairsAnswer{3, 3, 3, {0xFF, 1}, true, 5, 6}};
 }
 
 TEST(Codec, GivesBackEveryMessage) {
@@ -203,6 +205,30 @@ TEST(Codec, RefusesMoreEditsThanTheLimit) {
   const auto back = decode(encode({1, edit}), kMaxReplyBytes);
   ASSERT_FALSE(back.ok());
   EXPECT_EQ(back.error().code, ErrorCode::kLimit);
+}
+
+TEST(Codec, RefusesMorePairsThanTheLimit) {
+  Pairs pairs;
+  pairs.viewers.resize(256);
+  pairs.targets.resize(256);
+  EXPECT_TRUE(decode(encode({1, pairs}), kMaxReplyBytes).ok());
+  pairs.targets.emplace_back();
+  const auto back = decode(encode({1, pairs}), kMaxReplyBytes);
+  ASSERT_FALSE(back.ok());
+  EXPECT_EQ(back.error().code, ErrorCode::kLimit);
+  EXPECT_EQ(back.error().message, "pairs: 256 viewers x 257 targets > 65536");
+}
+
+TEST(Codec, RefusesAnswersWithoutABitForEachPair) {
+  for (const std::size_t bytes : {0U, 1U, 3U}) {
+    const auto back =
+        decode(encode({1, PairsAnswer{1, 3, 3, std::vector<std::uint8_t>(bytes), false, 0, 0}}),
+               kMaxReplyBytes);
+    ASSERT_FALSE(back.ok()) << bytes;
+    EXPECT_EQ(back.error().message, "pairs answer: may_see does not fit the number of pairs");
+  }
+  EXPECT_FALSE(
+      decode(encode({1, PairsAnswer{1, 65536, 65536, {}, false, 0, 0}}), kMaxReplyBytes).ok());
 }
 
 TEST(Codec, SurvivesRandomBytesBehindARightHeader) {

@@ -251,7 +251,7 @@ TEST_F(SessionCancel, WelcomeTellsOfTheFeaturesAndEveryLimit) {
   Session fresh{scene, limits, "culld/test", Time(0)};
   absorb(fresh.receive(wire::encode({1, wire::Hello{1, 1, "test"}}), Time(0)));
   const auto& welcome = last<wire::Welcome>();
-  EXPECT_EQ(welcome.features, wire::kFeatureCancel | wire::kFeatureDeadlines);
+  EXPECT_EQ(welcome.features, wire::kFeatureCancel | wire::kFeatureDeadlines | wire::kFeaturePairs);
   EXPECT_EQ(welcome.limits, (wire::Limits{262'144, 3, 4, 60'000, 5, 2, limits.max_messages_per_s,
                                           4096, 65'536, 3}));
 }

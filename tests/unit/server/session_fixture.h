@@ -59,6 +59,8 @@ class SessionTest : public ::testing::Test {
         culls.push_back(std::move(cull->job));
       } else if (auto* edit = std::get_if<StartEdit>(&action)) {
         edits.push_back(std::move(edit->job));
+      } else if (auto* question = std::get_if<StartPairs>(&action)) {
+        pairs.push_back(std::move(question->job));
       } else {
         closed = std::get<Close>(action);
       }
@@ -67,6 +69,10 @@ class SessionTest : public ::testing::Test {
   void runCulls() {
     auto jobs = std::exchange(culls, {});
     for (CullJob& job : jobs) absorb(session.culled(runCull(std::move(job), clock)));
+  }
+  void runPairs() {
+    auto jobs = std::exchange(pairs, {});
+    for (PairsJob& job : jobs) absorb(session.paired(server::runPairs(std::move(job), clock)));
   }
   void runEdits() {
     auto jobs = std::exchange(edits, {});
@@ -127,6 +133,7 @@ class SessionTest : public ::testing::Test {
   std::vector<SendTag> unsent;
   std::vector<CullJob> culls;
   std::vector<EditJob> edits;
+  std::vector<PairsJob> pairs;
   std::optional<Close> closed;
 };
 

@@ -4,8 +4,8 @@
 // THREADS: every function may be called on any thread. A connection has a thread of its own, and
 // all callbacks are called on it, one at a time, with no lock held: they may call whatever does not
 // wait, close the connection and even destroy it. What waits for that thread (openView, cull, edit,
-// ping without a callback) refuses at once to be called there. Callbacks must not throw. What is
-// refused without asking the server, as after the end, calls back before the call returns.
+// pairs, ping without a callback) refuses at once to be called there. Callbacks must not throw.
+// What is refused without asking the server, as after the end, calls back before the call returns.
 #pragma once
 #include <chrono>
 #include <cstddef>
@@ -30,6 +30,7 @@ using protocol::EditItem;
 using protocol::Error;
 using protocol::ErrorCode;
 using protocol::Guarantee;
+using protocol::Place;
 using protocol::Result;
 using protocol::SceneInfo;
 
@@ -101,6 +102,21 @@ struct EditOutcome {
   std::vector<std::uint32_t> added;  ///< ids of the added objects, in order
 };
 
+/// Which viewers may see which targets.
+struct PairsOutcome {
+  std::uint64_t scene_version = 0;
+  std::size_t viewers = 0, targets = 0;
+  std::vector<std::uint8_t> bits;  ///< bit viewer * targets + target, lowest of each byte first
+  bool out_of_budget = false;      ///< time ran out: pairs not looked at are kept
+  std::chrono::nanoseconds cull{0}, queued{0};
+
+  /// False: proven hidden. REQUIRES: viewer < viewers, target < targets.
+  bool maySee(std::size_t viewer, std::size_t target) const {
+    const std::size_t bit = viewer * targets + target;
+    return (bits[bit / 8] >> bit % 8 & 1U) != 0;
+  }
+};
+
 enum class ConnectionState : std::uint8_t {
   kConnected,
   kReconnecting,  ///< lost; cameras wait, other requests fail until it is connected again
@@ -139,6 +155,15 @@ class Connection {
   Result<EditOutcome> edit(std::vector<EditItem> edits, std::uint64_t expected_version = 0);
   using OnEdited = std::function<void(Result<EditOutcome>)>;
   void edit(std::vector<EditItem> edits, std::uint64_t expected_version, OnEdited callback);
+
+  /// Which of `viewers` may see which of `targets`? Objects of the scene hide; the places
+  /// themselves do not. `time` 0: no limit. ERROR: kInvalidInput naming the place; kLimit: more
+  /// than protocol::kMaxPairs pairs; kUnsupported: a server that is too old.
+  Result<PairsOutcome> pairs(std::vector<Place> viewers, std::vector<Place> targets,
+                             std::chrono::microseconds time = {});
+  using OnPairs = std::function<void(Result<PairsOutcome>)>;
+  void pairs(std::vector<Place> viewers, std::vector<Place> targets, std::chrono::microseconds time,
+             OnPairs callback);
 
   /// There and back through the message layer.
   Result<std::chrono::nanoseconds> ping();

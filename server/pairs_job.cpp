@@ -1,0 +1,58 @@
+#include "server/pairs_job.h"
+
+#include <exception>
+#include <utility>
+
+#include "protocol/codec.h"
+#include "protocol/text.h"
+#include "server/translate.h"
+
+namespace culld::server {
+namespace {
+
+using protocol::WireCode;
+
+void refuse(PairsOutcome& outcome, WireCode code, const std::string& what) {
+  outcome.error = code;
+  outcome.message = protocol::encode(
+      {outcome.job.request_id, protocol::ErrorReply{code, protocol::oneLine("pairs: " + what)}});
+}
+
+void answerInto(PairsOutcome& outcome, const Clock& clock) {
+  const PairsJob& job = outcome.job;
+  const auto culler = job.scene->pairs();
+  const auto begun = clock.now();
+  auto answer = culler->cull(toEngine(job.pairs.viewers), toEngine(job.pairs.targets),
+                             std::chrono::microseconds(job.pairs.time_us), clock);
+  if (!answer) return refuse(outcome, WireCode::kInvalidDemand, answer.error().message);
+  PairsAnswer& made = answer.value();
+  outcome.pairs = job.pairs.viewers.size() * job.pairs.targets.size();
+  outcome.hidden = made.hidden;
+  protocol::PairsAnswer out;
+  out.scene_version = job.scene->snapshot()->version();
+  out.viewers = static_cast<std::uint32_t>(job.pairs.viewers.size());
+  out.targets = static_cast<std::uint32_t>(job.pairs.targets.size());
+  out.may_see = std::move(made.may_see);
+  out.out_of_budget = made.out_of_budget;
+  out.cull_ns = static_cast<std::uint64_t>(made.time.count());
+  out.queue_ns = static_cast<std::uint64_t>((begun - job.received).count());
+  outcome.message = protocol::encode({job.request_id, std::move(out)});
+}
+
+}  // namespace
+
+PairsOutcome runPairs(PairsJob job, const Clock& clock) {
+  const auto started = clock.now();
+  PairsOutcome outcome;
+  outcome.job = std::move(job);
+  if (!outcome.job.gate->begin()) return outcome;
+  try {
+    answerInto(outcome, clock);
+  } catch (const std::exception& failure) {
+    refuse(outcome, WireCode::kInternal, failure.what());
+  }
+  outcome.took = clock.now() - started;
+  return outcome;
+}
+
+}  // namespace culld::server
