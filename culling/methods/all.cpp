@@ -2,6 +2,7 @@
 // `auto` comes last: it chooses among the others.
 #include "culling/culler.h"
 #include "culling/methods/frustum.h"
+#include "culling/methods/layers.h"
 #include "culling/methods/occluder_volumes.h"
 #include "culling/methods/occlusion_map.h"
 #include "culling/methods/raster.h"
@@ -14,8 +15,13 @@ std::span<const Method* const> allMethods() noexcept {
   static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
   static const AutoMethod automatic(stages);
   static const Method* const methods[] = {
-      stages[0],         stages[1],  &occluderVolumesMethod(), &occlusionMapMethod(),
-      &zPyramidMethod(), &automatic,
+      stages[0],
+      stages[1],
+      &occluderVolumesMethod(),
+      &occlusionMapMethod(),
+      &zPyramidMethod(),
+      &layersMethod(),
+      &automatic,
   };
   return methods;
 }

@@ -19,9 +19,9 @@ constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at
 // Nanoseconds of counted work, measured (docs/methods/occlusion-map.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
 
-bool smallerFirst(const MapItem& a, const MapItem& b) { return a.area() < b.area(); }
+bool smallerFirst(const ImageItem& a, const ImageItem& b) { return a.area() < b.area(); }
 
-bool nearerFirst(const MapItem& a, const MapItem& b) {
+bool nearerFirst(const ImageItem& a, const ImageItem& b) {
   if (a.nearest != b.nearest) return a.nearest > b.nearest;
   return a.ref.objectId() < b.ref.objectId();
 }
@@ -47,10 +47,9 @@ OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,
       deadline_(deadline),
       most_work_(demand.work),
       memory_(memory),
-      frustum_(camera, scene.bvh),
       view_(cellView(camera, gridFor(camera))),
-      box_view_(boxView(view_)),
       origin_world_(camera.origin_world),
+      walk_(camera, scene.bvh, view_),
       drawing_(scene.scene, scene.occluders, view_, origin_world_, deadline, memory.occluder),
       image_px_(static_cast<double>(camera.width_px) * camera.height_px),
       accepted_px_(acceptedPx(camera, demand, options.accepted_px)),
@@ -76,50 +75,22 @@ std::chrono::nanoseconds OcclusionMapFrame::work() const {
                                   kTexelNs * texels_);
 }
 
-void OcclusionMapFrame::pushRoots(std::vector<MapItem>& items) const {
-  for (auto root = static_cast<std::uint32_t>(scene_.bvh.rootCount()); root-- > 0;) {
-    items.push_back({everyCell(view_.grid), std::numeric_limits<float>::infinity(),
-                     ChildRef::node(root), frustum_.planes()});
-  }
-}
-
-/// Calls take(child, lane_blocks, in_frustum) for each live child of a node.
-template <typename Take>
-void OcclusionMapFrame::forEachChild(const MapItem& item, const Take& take) {
-  ++stats_.nodes_visited;
-  const WideNode& node = scene_.bvh.node(item.ref.nodeIndex());
-  const LaneVerdicts verdicts = frustum_.test(node, item.planes);
-  const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
-                                     node.origin[1] - origin_world_.y,
-                                     node.origin[2] - origin_world_.z};
-  BoxRects rects;
-  projectBoxes(box_view_, origin, node.offsets, rects);
-  const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
-  for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
-    const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-    const bool inside = (on_image >> lane & 1U) != 0;
-    MapItem child{{}, rects.nearest[lane], node.child[lane], 0};
-    if (inside) child.rect = cellRect(rects, lane, view_.grid);
-    if (child.ref.isNode()) child.planes = verdicts.planesLeft(lane);
-    take(child, (node.blocking >> lane & 1U) != 0, inside);
-  }
-}
-
 /// Largest on the image first: a node is opened only while something below it may be as large as
 /// the next occluder.
 void OcclusionMapFrame::chooseOccluders() {
-  std::vector<MapItem>& queue = memory_.queue;
-  pushRoots(queue);
+  std::vector<ImageItem>& queue = memory_.queue;
+  walk_.pushRoots(queue);
   std::make_heap(queue.begin(), queue.end(), smallerFirst);
   while (!queue.empty() && mayGoOn()) {
     std::pop_heap(queue.begin(), queue.end(), smallerFirst);
-    const MapItem item = queue.back();
+    const ImageItem item = queue.back();
     queue.pop_back();
     if (item.ref.isObject()) {
       if (!choose(item)) return;
       continue;
     }
-    forEachChild(item, [&](const MapItem& child, bool blocks, bool inside) {
+    ++stats_.nodes_visited;
+    walk_.forEachChild(item, [&](const ImageItem& child, bool blocks, bool inside) {
       if (!blocks || !inside || !largeEnough(child.rect)) return;
       if (child.ref.isObject() && !scene_.database.holds(child.ref.objectId())) return;
       queue.push_back(child);
@@ -129,7 +100,7 @@ void OcclusionMapFrame::chooseOccluders() {
 }
 
 /// False once the budget is used up.
-bool OcclusionMapFrame::choose(const MapItem& item) {
+bool OcclusionMapFrame::choose(const ImageItem& item) {
   if (memory_.chosen.size() >= options_.most_occluders) return false;
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
   const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
@@ -144,7 +115,7 @@ bool OcclusionMapFrame::choose(const MapItem& item) {
 /// Front to back: what is hidden by then adds nothing to the map.
 void OcclusionMapFrame::drawOccluders() {
   std::sort(memory_.chosen.begin(), memory_.chosen.end(), nearerFirst);
-  for (const MapItem& item : memory_.chosen) {
+  for (const ImageItem& item : memory_.chosen) {
     if (!mayGoOn()) return;
     if (memory_.cells.certainlyHidden(item.rect, item.nearest)) continue;
     const Instance& instance = scene_.scene.instance(item.ref.objectId());
@@ -167,14 +138,14 @@ float OcclusionMapFrame::farthestOf(const Instance& instance) const {
 
 /// Where holes are accepted, they are for objects of which all blocks: in one place, one of them at
 /// most can be seen. What is see-through, and nodes that may hold such, are held to the proof.
-std::uint32_t OcclusionMapFrame::holeFor(const MapItem& item) const {
+std::uint32_t OcclusionMapFrame::holeFor(const ImageItem& item) const {
   if (hole_ == 0 || scene_.all_block) return hole_;
   if (item.ref.isNode()) return 0;
   const MeshId mesh = scene_.scene.instance(item.ref.objectId()).mesh;
   return scene_.see_through[mesh] != 0 ? 0 : hole_;
 }
 
-bool OcclusionMapFrame::hidden(const MapItem& item) {
+bool OcclusionMapFrame::hidden(const ImageItem& item) {
   if (!memory_.depth.behind(item.rect, item.nearest)) return false;
   const std::uint32_t hole = holeFor(item);
   const Overlap overlap = memory_.map.overlap(item.rect, {hole, options_.give_up});
@@ -183,26 +154,27 @@ bool OcclusionMapFrame::hidden(const MapItem& item) {
 }
 
 /// What is hidden ends here; it is only counted, so that the answer can say what occlusion brought.
-void OcclusionMapFrame::takeHidden(const MapItem& item) {
+void OcclusionMapFrame::takeHidden(const ImageItem& item) {
   if (item.ref.isObject()) {
     ++stats_.occluded;
     ++in_frustum_;
   } else {
-    in_frustum_ += countInFrustum(scene_.bvh, frustum_, item.ref.nodeIndex(), item.planes);
+    in_frustum_ += countInFrustum(scene_.bvh, walk_.frustum(), item.ref.nodeIndex(), item.planes);
   }
 }
 
 void OcclusionMapFrame::testObjects(Answer& answer) {
-  std::vector<MapItem>& stack = memory_.stack;
-  pushRoots(stack);
+  std::vector<ImageItem>& stack = memory_.stack;
+  walk_.pushRoots(stack);
   while (!stack.empty()) {
-    const MapItem item = stack.back();
+    const ImageItem item = stack.back();
     stack.pop_back();
     if (!mayGoOn()) {
       scene_.bvh.appendObjects(item.ref.nodeIndex(), answer.visible);
       continue;
     }
-    forEachChild(item, [&](const MapItem& child, bool /*blocks*/, bool inside) {
+    ++stats_.nodes_visited;
+    walk_.forEachChild(item, [&](const ImageItem& child, bool /*blocks*/, bool inside) {
       const bool object = child.ref.isObject();
       if (object) ++stats_.tested;
       if (!inside) {

@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "culling/culler.h"
+#include "culling/occluders/image_walk.h"
 #include "culling/occluders/occluder_database.h"
 #include "culling/occluders/occluder_drawing.h"
-#include "culling/raster/box_kernels.h"
 #include "culling/raster/cell_view.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/raster/depth_estimation.h"
 #include "culling/raster/hole_ledger.h"
 #include "culling/raster/occlusion_map.h"
-#include "culling/spatial/frustum_test.h"
 #include "culling/spatial/wide_bvh.h"
 
 namespace culld {
@@ -31,17 +30,6 @@ struct OcclusionMapOptions {
   double accepted_px = 0.0;    ///< accepted loss where the demand names none
 };
 
-/// A node or an object that may be on the image.
-struct MapItem {
-  CellRect rect;
-  float nearest;
-  ChildRef ref;
-  PlaneMask planes;  ///< still to be tested below a node
-  std::uint64_t area() const noexcept {
-    return std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
-  }
-};
-
 /// Buffers kept from frame to frame for their memory only: nothing in them is read again.
 struct OcclusionMapMemory final : ViewState::Memory {
   DepthCells cells;
@@ -49,9 +37,9 @@ struct OcclusionMapMemory final : ViewState::Memory {
   OcclusionMap map;
   DepthEstimation depth;
   HoleLedger ledger;
-  std::vector<MapItem> queue;   ///< a heap, largest on the image on top
-  std::vector<MapItem> chosen;  ///< occluders
-  std::vector<MapItem> stack;
+  std::vector<ImageItem> queue;   ///< a heap, largest on the image on top
+  std::vector<ImageItem> chosen;  ///< occluders
+  std::vector<ImageItem> stack;
 };
 
 /// What the culler has prepared.
@@ -74,17 +62,14 @@ class OcclusionMapFrame {
   void run(Answer& answer);
 
  private:
-  template <typename Take>
-  void forEachChild(const MapItem& item, const Take& take);
-  void pushRoots(std::vector<MapItem>& items) const;
   void chooseOccluders();
-  bool choose(const MapItem& item);
+  bool choose(const ImageItem& item);
   void drawOccluders();
   float farthestOf(const Instance& instance) const;
   void testObjects(Answer& answer);
-  void takeHidden(const MapItem& item);
-  bool hidden(const MapItem& item);
-  std::uint32_t holeFor(const MapItem& item) const;
+  void takeHidden(const ImageItem& item);
+  bool hidden(const ImageItem& item);
+  std::uint32_t holeFor(const ImageItem& item) const;
   bool mayGoOn();
   std::chrono::nanoseconds work() const;
 
@@ -93,10 +78,9 @@ class OcclusionMapFrame {
   const Deadline& deadline_;
   std::chrono::nanoseconds most_work_;  ///< 0: no limit
   OcclusionMapMemory& memory_;
-  FrustumTest frustum_;
   CellView view_;
-  BoxView box_view_;
   glm::dvec3 origin_world_;
+  ImageWalk walk_;
   OccluderDrawing drawing_;
   double image_px_;
   double accepted_px_;      ///< that may be lost; 0: nothing

@@ -71,23 +71,6 @@ bool solidHolds(const ConvexPiece& piece, const Instance& solid, const Corners& 
   return true;
 }
 
-/// Area of the mesh's blocking triangles as a share of the surface of its box.
-double fillOf(const Mesh& mesh) {
-  double area = 0.0;
-  for (const Surface& surface : mesh.surfaces) {
-    if (!surface.blocks) continue;
-    for (std::uint32_t t = 0; t < surface.triangle_count; ++t) {
-      const auto& corner = mesh.triangles[surface.first_triangle + t];
-      const glm::dvec3 p(mesh.positions[corner[0]]);
-      area += 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[corner[1]]) - p,
-                                           glm::dvec3(mesh.positions[corner[2]]) - p));
-    }
-  }
-  const glm::dvec3 s = sidesOf(mesh.bounds);
-  const double surface = 2.0 * (s.x * s.y + s.y * s.z + s.z * s.x);
-  return surface > 0.0 ? area / surface : 0.0;
-}
-
 bool canBlock(const SceneSnapshot& scene, const Instance& instance) {
   return instance.active() && !instance.always_kept && instance.bounds_world.finite() &&
          scene.mesh(instance.mesh).blocking_triangles != 0;
@@ -129,7 +112,7 @@ class OccluderJudge {
     if (largestSide(instance.bounds_world) < base_.least_side_m_) return Verdict::kSmall;
     const std::uint32_t polygons = set_.mesh(instance.mesh).polygons();
     if (rules.most_polygons != 0 && polygons > rules.most_polygons) return Verdict::kDetailed;
-    return base_.fill_[instance.mesh] < rules.least_fill ? Verdict::kIllShaped : Verdict::kTaken;
+    return set_.mesh(instance.mesh).fill < rules.least_fill ? Verdict::kIllShaped : Verdict::kTaken;
   }
 
   /// Does it hardly stick out of a larger solid? Solids are of one convex piece: of a room, the box
@@ -190,10 +173,6 @@ OccluderDatabase OccluderDatabase::of(const SceneSnapshot& scene, const WideBvh&
   OccluderDatabase database;
   database.rules_ = rules;
   database.least_side_m_ = rules.least_size * medianSide(scene);
-  database.fill_.resize(scene.meshCount());
-  parallelFor(database.fill_.size(), [&](std::size_t m) {
-    database.fill_[m] = fillOf(scene.mesh(static_cast<MeshId>(m)));
-  });
   database.verdicts_.resize(scene.objectCount());
   const OccluderJudge judge(database, scene, bvh, set);
   const std::size_t parts = (scene.objectCount() + kObjectsAtOnce - 1) / kObjectsAtOnce;
@@ -224,8 +203,6 @@ OccluderTally OccluderDatabase::tally() const noexcept {
           count(Verdict::kDetailed), count(Verdict::kIllShaped),   count(Verdict::kRedundant)};
 }
 
-std::size_t OccluderDatabase::bytes() const noexcept {
-  return fill_.capacity() * sizeof(double) + verdicts_.capacity();
-}
+std::size_t OccluderDatabase::bytes() const noexcept { return verdicts_.capacity(); }
 
 }  // namespace culld

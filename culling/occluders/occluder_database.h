@@ -58,7 +58,6 @@ class OccluderDatabase {
 
   OccluderRules rules_;
   double least_side_m_ = 0.0;
-  std::vector<double> fill_;       ///< by mesh
   std::vector<Verdict> verdicts_;  ///< by object
 };
 

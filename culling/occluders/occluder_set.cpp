@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <map>
 #include <string>
 
@@ -10,6 +11,23 @@
 
 namespace culld {
 namespace {
+
+/// Area of the mesh's blocking triangles as a share of the surface of its box.
+double fillOf(const Mesh& mesh) {
+  double area = 0.0;
+  for (const Surface& surface : mesh.surfaces) {
+    if (!surface.blocks) continue;
+    for (std::uint32_t t = 0; t < surface.triangle_count; ++t) {
+      const auto& corner = mesh.triangles[surface.first_triangle + t];
+      const glm::dvec3 p(mesh.positions[corner[0]]);
+      area += 0.5 * glm::length(glm::cross(glm::dvec3(mesh.positions[corner[1]]) - p,
+                                           glm::dvec3(mesh.positions[corner[2]]) - p));
+    }
+  }
+  const glm::dvec3 s = mesh.bounds.max - mesh.bounds.min;
+  const double surface = 2.0 * (s.x * s.y + s.y * s.z + s.z * s.x);
+  return surface > 0.0 ? area / surface : 0.0;
+}
 
 /// Equal for equal faces and edges.
 std::string shapeKey(const ConvexPiece& piece) {
@@ -27,8 +45,11 @@ std::string shapeKey(const ConvexPiece& piece) {
 
 OccluderSet OccluderSet::of(const SceneSnapshot& scene) {
   std::vector<ConvexPieces> found(scene.meshCount());
+  std::vector<double> fills(scene.meshCount());
   parallelFor(found.size(), [&](std::size_t i) {
-    found[i] = ConvexPieces::of(scene.mesh(static_cast<MeshId>(i)));
+    const Mesh& mesh = scene.mesh(static_cast<MeshId>(i));
+    found[i] = ConvexPieces::of(mesh);
+    fills[i] = fillOf(mesh);
   });
   OccluderSet set;
   std::map<std::string, std::uint32_t> shape_of_key;
@@ -40,6 +61,7 @@ OccluderSet OccluderSet::of(const SceneSnapshot& scene) {
     out.blocking_triangles = mesh.blocking_triangles;
     out.vertices = static_cast<std::uint32_t>(mesh.positions.size());
     out.largest = glm::vec3(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max)));
+    out.fill = fills[i];
     set.meshes_.push_back(out);
     for (std::size_t p = 0; p < found[i].size(); ++p) {
       const ConvexPiece piece = found[i][p];

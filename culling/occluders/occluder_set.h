@@ -16,6 +16,7 @@ struct OccluderMesh {
   std::uint32_t blocking_triangles = 0;
   std::uint32_t vertices = 0;
   glm::vec3 largest{0.0F};  ///< of |x|, |y|, |z| over its vertices
+  double fill = 0.0;        ///< area of what blocks, as a share of the surface of the mesh's box
   /// What is drawn one by one: pieces, or triangles where there are none.
   std::uint32_t polygons() const noexcept {
     return piece_count != 0 ? piece_count : blocking_triangles;

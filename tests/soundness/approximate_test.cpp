@@ -1,5 +1,5 @@
-// Answers that may lose pixels: what a method says to have lost at most is no less than what the
-// oracle sees missing, and no more than was accepted.
+// Answers that may lose pixels: what a method proves to have lost at most is no less than what the
+// oracle sees missing, and no more than was accepted; what it estimates is seldom less.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,6 +14,7 @@ namespace culld {
 namespace {
 
 struct Tally {
+  std::string method;
   std::size_t answers = 0, lossy = 0, exceeded = 0;
   double said_px = 0.0, lost_px = 0.0;
 };
@@ -63,6 +64,7 @@ void judge(const SnapshotPtr& scene, const std::vector<scenes::CameraSpec>& came
       const double lost = lostPx(truth.value(), answer);
       const auto said = static_cast<double>(answer.missed_px);
       Tally& tally = tallies[m];
+      tally.method = methods[m].name;
       ++tally.answers;
       tally.said_px += said;
       tally.lost_px += lost;
@@ -78,13 +80,12 @@ void judge(const SnapshotPtr& scene, const std::vector<scenes::CameraSpec>& came
   }
 }
 
-void print(const char* where, const SnapshotPtr& scene, const std::vector<Tally>& tallies) {
-  const std::vector<PreparedMethod> methods = prepareLossy(scene);
-  for (std::size_t m = 0; m < methods.size(); ++m) {
-    const Tally& t = tallies[m];
+/// An estimate may be too low, but not often.
+void expectCalibrated(const char* where, const std::vector<Tally>& tallies) {
+  for (const Tally& t : tallies) {
     std::printf("%s %s: %zu of %zu answers lossy, said %.0f px, lost %.0f px, exceeded %zu\n",
-                where, methods[m].name.c_str(), t.lossy, t.answers, t.said_px, t.lost_px,
-                t.exceeded);
+                where, t.method.c_str(), t.lossy, t.answers, t.said_px, t.lost_px, t.exceeded);
+    EXPECT_LE(4 * t.exceeded, t.answers) << t.method;
   }
 }
 
@@ -94,19 +95,18 @@ TEST(ApproximateAnswers, LoseNoMoreThanTheySayInTheCity) {
   for (const float accepted_px : {20.0F, 2000.0F}) {
     std::vector<Tally> tallies;
     judge(scene, city.cameras, accepted_px, tallies);
-    print("city", scene, tallies);
+    expectCalibrated("city", tallies);
   }
 }
 
 TEST(ApproximateAnswers, LoseNoMoreThanTheySayInScenesMadeToBreakThem) {
   std::vector<Tally> tallies;
-  SnapshotPtr scene;
-  for (std::uint64_t seed = 1; seed <= scenes::rounds(60); ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(30); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    scene = scenes::randomScene(seed);
+    const SnapshotPtr scene = scenes::randomScene(seed);
     judge(scene, scenes::randomCameras(seed, *scene, 2), 5000.0F, tallies);
   }
-  print("random", scene, tallies);
+  expectCalibrated("random", tallies);
 }
 
 }  // namespace

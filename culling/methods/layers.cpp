@@ -1,0 +1,131 @@
+#include "culling/methods/layers.h"
+
+#include <memory>
+#include <utility>
+
+#include "culling/methods/layers_frame.h"
+#include "culling/spatial/frustum_walk.h"
+#include "culling/spatial/prepared_boxes.h"
+
+namespace culld {
+namespace {
+
+class LayersCuller final : public Culler, public HoldsBoxes {
+ public:
+  LayersCuller(PreparedBoxes boxes, std::shared_ptr<const OccluderSet> occluders, SolidGrid grid,
+               const LayersOptions& options, const Clock& clock)
+      : boxes_(std::move(boxes)),
+        occluders_(std::move(occluders)),
+        grid_(std::move(grid)),
+        options_(options),
+        clock_(clock) {}
+
+  Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
+    const auto start = clock_.now();
+    const Deadline deadline(clock_, start, demand.time);
+    Answer answer;
+    if (camera.perspective && holdsInMotion(camera)) {
+      const LayersScene scene{*boxes_.scene(), boxes_.bvh(), *occluders_, grid_};
+      LayersFrame(scene, options_, camera, deadline, demand, view.memory<LayersMemory>())
+          .run(answer);
+    } else {
+      cullFrustumOnly(camera, deadline, answer);
+    }
+    boxes_.completeIds(answer.visible);
+    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
+    if (answer.stats.in_frustum != 0) answer.stats.in_frustum += answer.stats.always_kept;
+    if (answer.out_of_budget)
+      answer.note = "layers: out of time or work, undecided objects are kept";
+    answer.stats.time = clock_.now() - start;
+    return answer;
+  }
+
+  Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
+                                         std::span<const ObjectId> changed) const override {
+    auto boxes = boxes_.edited(std::move(next), changed);
+    if (!boxes) return std::move(boxes).error();
+    return std::unique_ptr<Culler>(std::make_unique<LayersCuller>(
+        std::move(boxes).value(), occluders_, grid_.edited(changed), options_, clock_));
+  }
+
+  std::size_t preparedBytes() const noexcept override {
+    return boxes_.bytes() + occluders_->bytes() + grid_.bytes();
+  }
+  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+
+ private:
+  /// Where there is no one eye that layers could lie around.
+  void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
+    const WideBvh& bvh = boxes_.bvh();
+    const FrustumWalkStats walk =
+        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
+    answer.stats.nodes_visited = walk.nodes_visited;
+    answer.stats.tested = walk.tested;
+    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
+    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
+    answer.stats.work = walk.work(answer.visible.size());
+    answer.out_of_budget = walk.out_of_time;
+    answer.note = camera.perspective
+                      ? "layers: the motion bound turns too far, occlusion is left out"
+                      : "layers: an orthographic camera, occlusion is left out";
+  }
+
+  PreparedBoxes boxes_;
+  std::shared_ptr<const OccluderSet> occluders_;
+  SolidGrid grid_;
+  LayersOptions options_;
+  const Clock& clock_;
+};
+
+constexpr LayersOptions kStandard{};
+
+constexpr Setting kSettings[] = {
+    {"cells", "per object", kStandard.cells_per_object, 0.001, 100.0, false},
+    {"solidity", "weight of what a cell blocks; 0: the nearest come first", kStandard.solidity, 0.0,
+     1.0, false},
+    {"polygons", "drawn per frame at most, pieces or triangles", kStandard.most_polygons, 0.0, 1e7},
+    {"triangles", "answered at most where loss is accepted by accept-px; 0: any number",
+     kStandard.most_triangles, 0.0, 4e9},
+    {"accept-px", "pixels that may be lost where approximate answers are demanded",
+     kStandard.accepted_px, 0.0, 1e9, false},
+};
+
+class LayersMethod final : public Method {
+ public:
+  explicit LayersMethod(const LayersOptions& options) : options_(options) {}
+
+  MethodInfo info() const noexcept override {
+    return {"layers", "Klosowski, Silva 2000 (PLP), 2001 (cPLP)",
+            options_.accepted_px > 0.0 ? Guarantee::kApproximate : Guarantee::kConservative,
+            "triangles"};
+  }
+  std::span<const Setting> settings() const noexcept override { return kSettings; }
+  std::unique_ptr<const Method> with(const SettingValues& values) const override {
+    return std::make_unique<LayersMethod>(LayersOptions{
+        values.number("cells"), values.number("solidity"),
+        static_cast<std::uint32_t>(values.number("polygons")),
+        static_cast<std::uint32_t>(values.number("triangles")), values.number("accept-px")});
+  }
+  Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
+  Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
+    auto boxes = PreparedBoxes::of(std::move(scene));
+    if (!boxes) return std::move(boxes).error();
+    const SceneSnapshot& snapshot = *boxes.value().scene();
+    auto occluders = std::make_shared<const OccluderSet>(OccluderSet::of(snapshot));
+    SolidGrid grid = SolidGrid::of(snapshot, *occluders, options_.cells_per_object);
+    return std::unique_ptr<Culler>(std::make_unique<LayersCuller>(
+        std::move(boxes).value(), std::move(occluders), std::move(grid), options_, clock));
+  }
+
+ private:
+  LayersOptions options_;
+};
+
+}  // namespace
+
+const Method& layersMethod() noexcept {
+  static const LayersMethod method{LayersOptions{}};
+  return method;
+}
+
+}  // namespace culld

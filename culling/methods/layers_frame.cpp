@@ -1,0 +1,194 @@
+#include "culling/methods/layers_frame.h"
+
+#include <algorithm>
+
+#include "culling/raster/rounding.h"
+#include "culling/spatial/frustum_walk.h"
+
+namespace culld {
+namespace {
+
+constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
+constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+
+// Nanoseconds of counted work, as in the other methods that draw (docs/planner.md).
+constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kCellNs = 400;
+
+bool largeEnough(const CellRect& rect) {
+  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
+}
+
+/// The front is that of one eye: where it moves, nothing may be lost.
+double acceptedPx(const Camera& camera, const Demand& demand, double by_setting_px) {
+  if (demand.guarantee != Guarantee::kApproximate || !camera.motion.still()) return 0.0;
+  return std::max(static_cast<double>(demand.accepted_missed_px), by_setting_px);
+}
+
+}  // namespace
+
+LayersFrame::LayersFrame(const LayersScene& scene, const LayersOptions& options,
+                         const Camera& camera, const Deadline& deadline, const Demand& demand,
+                         LayersMemory& memory)
+    : scene_(scene),
+      options_(options),
+      camera_(camera),
+      deadline_(deadline),
+      most_work_(demand.work),
+      memory_(memory),
+      view_(cellView(camera, gridFor(camera))),
+      walk_(camera, scene.bvh, view_),
+      drawing_(scene.scene, scene.occluders, view_, camera.origin_world, deadline, memory.occluder),
+      accepted_px_(acceptedPx(camera, demand, options.accepted_px)),
+      // What a demand accepts is kept to, whatever that takes.
+      most_triangles_(demand.accepted_missed_px > 0.0F ? 0 : options.most_triangles),
+      polygons_left_(options.most_polygons) {
+  memory_.projected.assign(scene.scene.objectCount(), 0);
+  memory_.cells.reset(view_.grid);
+  memory_.stack.clear();
+}
+
+/// False once time or work is used up; asks the clock every few items.
+bool LayersFrame::mayGoOn() {
+  if (stopped_ || to_look_-- != 0) return !stopped_;
+  to_look_ = kItemsPerLook - 1;
+  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
+  return !stopped_;
+}
+
+std::chrono::nanoseconds LayersFrame::work() const {
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
+                                  kCellNs * cells_projected_);
+}
+
+/// Those that have not been projected yet, and are there with a bound.
+void LayersFrame::freshObjects(std::span<const ObjectId> ids) {
+  memory_.fresh.clear();
+  for (const ObjectId id : ids) {
+    if (memory_.projected[id] != 0) continue;
+    memory_.projected[id] = 1;
+    const Instance& instance = scene_.scene.instance(id);
+    if (instance.active() && laneClassOf(instance) == LaneClass::kLane) {
+      memory_.fresh.push_back(id);
+    }
+  }
+}
+
+void LayersFrame::project(std::span<const ObjectId> ids, Answer& answer) {
+  freshObjects(ids);
+  walk_.forEachObject(scene_.scene, memory_.fresh,
+                      [&](const ImageItem& item, bool /*blocks*/, bool inside) {
+                        ++stats_.tested;
+                        if (!inside) {
+                          ++stats_.outside;
+                          return;
+                        }
+                        const ObjectId id = item.ref.objectId();
+                        answer.visible.push_back(id);
+                        const MeshId mesh = scene_.scene.instance(id).mesh;
+                        triangles_answered_ += scene_.scene.mesh(mesh).triangles.size();
+                      });
+}
+
+/// Cell by cell until the front shows no more than was accepted, or the budget is used up.
+void LayersFrame::projectAll(Answer& answer) {
+  LayersOrder order(scene_.grid, camera_, options_.solidity, memory_.order);
+  project(scene_.grid.loose(), answer);
+  std::size_t cell = 0;
+  while (mayGoOn() && order.frontPx() > accepted_px_ && order.next(cell)) {
+    ++cells_projected_;
+    project(scene_.grid.objects(cell), answer);
+    const bool used_up = most_triangles_ != 0 && triangles_answered_ >= most_triangles_;
+    if (used_up) break;
+  }
+  answer.guarantee = Guarantee::kApproximate;
+  answer.proven = false;
+  answer.missed_px = floatUp(order.frontPx());
+}
+
+void LayersFrame::drawObject(const ImageItem& item) {
+  const Instance& instance = scene_.scene.instance(item.ref.objectId());
+  const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
+  if (polygons > polygons_left_ || !largeEnough(item.rect) || polygons > item.area()) return;
+  if (hidden(item)) return;
+  polygons_left_ -= polygons;
+  const DrawnOccluder drawn =
+      drawing_.draw(instance, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
+  ++stats_.occluders_drawn;
+  stats_.triangles_drawn += drawn.triangles;
+  drawing_ns_ += drawn.work_ns;
+  stopped_ = stopped_ || drawn.cut_short;
+}
+
+void LayersFrame::draw(std::span<const ObjectId> ids) {
+  freshObjects(ids);
+  walk_.forEachObject(scene_.scene, memory_.fresh,
+                      [&](const ImageItem& item, bool blocks, bool inside) {
+                        if (blocks && inside && mayGoOn()) drawObject(item);
+                      });
+}
+
+void LayersFrame::drawAll() {
+  LayersOrder order(scene_.grid, camera_, options_.solidity, memory_.order);
+  draw(scene_.grid.loose());
+  std::size_t cell = 0;
+  while (mayGoOn() && polygons_left_ != 0 && order.next(cell)) {
+    ++cells_projected_;
+    draw(scene_.grid.objects(cell));
+  }
+}
+
+/// What is hidden ends here; it is only counted, so that the answer can say what occlusion brought.
+void LayersFrame::takeHidden(const ImageItem& item) {
+  if (item.ref.isObject()) {
+    ++stats_.occluded;
+    ++in_frustum_;
+  } else {
+    in_frustum_ += countInFrustum(scene_.bvh, walk_.frustum(), item.ref.nodeIndex(), item.planes);
+  }
+}
+
+void LayersFrame::testObjects(Answer& answer) {
+  std::vector<ImageItem>& stack = memory_.stack;
+  walk_.pushRoots(stack);
+  while (!stack.empty()) {
+    const ImageItem item = stack.back();
+    stack.pop_back();
+    if (!mayGoOn()) {
+      scene_.bvh.appendObjects(item.ref.nodeIndex(), answer.visible);
+      continue;
+    }
+    ++stats_.nodes_visited;
+    walk_.forEachChild(item, [&](const ImageItem& child, bool /*blocks*/, bool inside) {
+      const bool object = child.ref.isObject();
+      if (object) ++stats_.tested;
+      if (!inside) {
+        if (object) ++stats_.outside;
+      } else if (hidden(child)) {
+        takeHidden(child);
+      } else if (object) {
+        ++in_frustum_;
+        answer.visible.push_back(child.ref.objectId());
+      } else {
+        stack.push_back(child);
+      }
+    });
+  }
+}
+
+void LayersFrame::run(Answer& answer) {
+  if (accepted_px_ > 0.0) projectAll(answer);
+  if (accepted_px_ == 0.0 || stopped_) {  // all of it; once time is up, whatever it is
+    answer.visible.clear();
+    answer.guarantee = Guarantee::kConservative;
+    answer.proven = true;
+    answer.missed_px = 0.0F;
+    if (!stopped_) drawAll();
+    testObjects(answer);
+    if (!stopped_) stats_.in_frustum = in_frustum_;
+  }
+  answer.out_of_budget = stopped_;
+  stats_.work = work();
+  answer.stats = stats_;
+}
+
+}  // namespace culld
