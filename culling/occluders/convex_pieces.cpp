@@ -61,8 +61,11 @@ bool samePlane(const Corners& a, const Corners& b) {
 /// One mesh. Parts are joined through partners, faces through partners in one plane.
 class PieceFinder {
  public:
-  explicit PieceFinder(const Mesh& mesh)
+  enum class Want : std::uint8_t { kConvexParts, kFaces };
+  PieceFinder(const Mesh& mesh, Want want, std::size_t most)
       : mesh_(mesh),
+        want_(want),
+        most_(most),
         usable_(mesh.triangles.size(), 0),
         part_(mesh.triangles.size()),
         face_(mesh.triangles.size()),
@@ -70,8 +73,10 @@ class PieceFinder {
 
   ConvexPieces run() {
     for (const Surface& s : mesh_.surfaces) {
-      if (s.blocks && s.double_sided) return {};
-      std::fill_n(usable_.begin() + s.first_triangle, s.triangle_count, s.blocks ? 1 : 0);
+      if (s.blocks && s.double_sided && want_ == Want::kConvexParts) return {};
+      const std::uint8_t sides = s.double_sided ? 2 : 1;
+      std::fill_n(usable_.begin() + s.first_triangle, s.triangle_count,
+                  s.blocks ? sides : std::uint8_t{0});
     }
     joinNeighbours();
     std::vector<std::uint32_t> order;
@@ -81,11 +86,17 @@ class PieceFinder {
     std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
       return part_.find(a) < part_.find(b);
     });
+    std::vector<Part> parts;
     for (std::size_t begin = 0; begin < order.size();) {
       std::size_t end = begin;
       while (end < order.size() && part_.find(order[end]) == part_.find(order[begin])) ++end;
-      if (!addPart(std::span(order).subspan(begin, end - begin))) return {};
+      parts.push_back(std::span(order).subspan(begin, end - begin));
       begin = end;
+    }
+    if (want_ == Want::kFaces) keepLargest(parts);
+    for (const Part part : parts) {
+      const bool added = addPart(part);
+      if (!added && want_ == Want::kConvexParts) return {};
     }
     pieces_.triangles_ = static_cast<std::uint32_t>(order.size());
     return std::move(pieces_);
@@ -93,6 +104,7 @@ class PieceFinder {
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  using Part = std::span<const std::uint32_t>;  ///< triangles
 
   Corners corners(std::uint32_t t) const {
     const auto& v = mesh_.triangles[t];
@@ -111,8 +123,9 @@ class PieceFinder {
       for (std::uint32_t e = 0; e < 3; ++e) {
         const std::uint32_t other = neighbour(t, e);
         if (other == kNone || other < t) continue;
-        part_.join(t, other);
-        if (samePlane(corners(t), corners(other))) face_.join(t, other);
+        const bool flat = usable_[t] == usable_[other] && samePlane(corners(t), corners(other));
+        if (flat) face_.join(t, other);
+        if (flat || want_ == Want::kConvexParts) part_.join(t, other);
       }
     }
   }
@@ -131,7 +144,21 @@ class PieceFinder {
     return static_cast<std::uint8_t>(at - part_faces_.begin());
   }
 
-  bool addPart(std::span<const std::uint32_t> triangles) {
+  void keepLargest(std::vector<Part>& parts) const {
+    if (parts.size() <= most_) return;
+    std::vector<std::pair<double, std::size_t>> by_area;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      double area = 0.0;
+      for (const std::uint32_t t : parts[i]) area += glm::length(normalOf(corners(t)));
+      by_area.emplace_back(-area, i);
+    }
+    std::sort(by_area.begin(), by_area.end());
+    std::vector<Part> kept;
+    for (std::size_t i = 0; i < most_; ++i) kept.push_back(parts[by_area[i].second]);
+    parts = std::move(kept);
+  }
+
+  bool addPart(Part triangles) {
     part_vertices_.clear();
     part_faces_.clear();
     if (triangles.size() > 2 * kMostPieceFaces) return false;
@@ -150,7 +177,8 @@ class PieceFinder {
                                static_cast<std::uint32_t>(pieces_.edges_.size())});
     }
     for (const std::uint32_t v : part_vertices_) number_[v] = kNone;
-    return small && convex(pieces_[pieces_.size() - 1]);
+    if (small && usable_[triangles[0]] == 2) addOtherSide();
+    return small && (want_ == Want::kFaces || convex(pieces_[pieces_.size() - 1]));
   }
 
   void addFace(std::uint32_t t) {
@@ -161,11 +189,33 @@ class PieceFinder {
   void addEdges(std::uint32_t t) {
     const auto& v = mesh_.triangles[t];
     for (std::uint32_t e = 0; e < 3; ++e) {
-      const std::uint32_t other = neighbour(t, e);
+      std::uint32_t other = neighbour(t, e);
+      if (other != kNone && part_.find(other) != part_.find(t)) other = kNone;
       if (other != kNone && (other < t || face_.find(other) == face_.find(t))) continue;
       pieces_.edges_.push_back({vertexNumber(v[e]), vertexNumber(v[(e + 1) % 3]), faceNumber(t),
                                 other == kNone ? kNoFace : faceNumber(other)});
     }
+  }
+
+  /// The last piece once more, turned over.
+  void addOtherSide() {
+    using End = ConvexPieces::End;
+    const End begin = pieces_.ends_.size() < 2 ? End{0, 0, 0} : *(pieces_.ends_.end() - 2);
+    const End end = pieces_.ends_.back();
+    for (auto i = begin.vertex; i < end.vertex; ++i)
+      pieces_.vertices_.push_back(pieces_.vertices_[i]);
+    for (auto i = begin.face; i < end.face; ++i) {
+      PieceFace face = pieces_.faces_[i];
+      std::swap(face.corner[1], face.corner[2]);
+      pieces_.faces_.push_back(face);
+    }
+    for (auto i = begin.edge; i < end.edge; ++i) {
+      PieceEdge edge = pieces_.edges_[i];
+      std::swap(edge.from, edge.to);
+      pieces_.edges_.push_back(edge);
+    }
+    pieces_.ends_.push_back(
+        {2 * end.vertex - begin.vertex, 2 * end.face - begin.face, 2 * end.edge - begin.edge});
   }
 
   /// Every vertex behind every face; and of an open part, also within its rim.
@@ -197,14 +247,22 @@ class PieceFinder {
   }
 
   const Mesh& mesh_;
-  std::vector<std::uint8_t> usable_;   ///< by triangle: blocks
+  const Want want_;
+  const std::size_t most_;
+  std::vector<std::uint8_t> usable_;   ///< by triangle: so many sides of it block
   Groups part_, face_;                 ///< of triangles
   std::vector<std::uint32_t> number_;  ///< of a mesh vertex within the part, or kNone
   std::vector<std::uint32_t> part_vertices_, part_faces_;
   ConvexPieces pieces_;
 };
 
-ConvexPieces ConvexPieces::of(const Mesh& mesh) { return PieceFinder(mesh).run(); }
+ConvexPieces ConvexPieces::of(const Mesh& mesh) {
+  return PieceFinder(mesh, PieceFinder::Want::kConvexParts, 0).run();
+}
+
+ConvexPieces ConvexPieces::facesOf(const Mesh& mesh, std::size_t most) {
+  return PieceFinder(mesh, PieceFinder::Want::kFaces, most).run();
+}
 
 ConvexPiece ConvexPieces::operator[](std::size_t i) const noexcept {
   const End begin = i == 0 ? End{0, 0, 0} : ends_[i - 1];

@@ -15,6 +15,11 @@ class ConvexPieces {
   /// kMostPieceVertices and kMostPieceFaces: the others have to be drawn as sheets anyway. COST:
   /// O(triangles).
   static ConvexPieces of(const Mesh& mesh);
+  /// The flat faces of any mesh, each a piece of its own, convex or not: joined triangles in
+  /// exactly one plane, as of() would join them. Double-sided ones come twice, once for each side.
+  /// Those of more than kMostPieceVertices vertices are left out, and all but the `most` largest.
+  /// COST: O(triangles).
+  static ConvexPieces facesOf(const Mesh& mesh, std::size_t most);
 
   std::size_t size() const noexcept { return ends_.size(); }
   ConvexPiece operator[](std::size_t i) const noexcept;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
+#include "culling/core/parallel.h"
 #include "culling/pairs/blocker.h"
 #include "culling/pairs/segment_tree.h"
 
@@ -12,6 +12,7 @@ namespace culld {
 namespace {
 
 constexpr double kFarthest = 1e100;
+constexpr std::size_t kMostFaces = 4096;   ///< of one mesh
 constexpr std::size_t kMostTried = 256;    ///< occluders per pair: what hides is mostly found soon
 constexpr std::size_t kPairsPerLook = 64;  ///< at the clock
 
@@ -20,9 +21,12 @@ double surfaceOf(const Box& box) {
   return size.x * size.y + size.y * size.z + size.z * size.x;
 }
 
+/// Ordered by size, the largest first; never a tie.
 struct Candidate {
+  double minus_surface;
   ObjectId object;
   std::uint32_t piece;
+  auto operator<=>(const Candidate&) const = default;
 };
 
 Result<std::vector<PlaceCorners>> cornersOfAll(std::span<const Place> places, const char* what) {
@@ -43,8 +47,23 @@ Result<std::vector<PlaceCorners>> cornersOfAll(std::span<const Place> places, co
   return out;
 }
 
-/// Boxes that are not finite come last: no segment finds them.
-double rankOf(const Box& box) { return box.finite() ? surfaceOf(box) : -1.0; }
+std::vector<ConvexPieces> piecesOfMeshes(const SceneSnapshot& scene) {
+  std::vector<ConvexPieces> pieces(scene.meshCount());
+  parallelFor(pieces.size(), [&](std::size_t i) {
+    const Mesh& mesh = scene.mesh(static_cast<MeshId>(i));
+    pieces[i] = ConvexPieces::of(mesh);
+    if (pieces[i].size() == 0) pieces[i] = ConvexPieces::facesOf(mesh, kMostFaces);
+  });
+  return pieces;
+}
+
+/// The surface of the piece's box in the world; -1 for what no segment finds.
+double rankOf(const ConvexPiece& piece, const Instance& instance) {
+  Box mesh;
+  for (const glm::vec3& v : piece.vertices) mesh.grow(glm::dvec3(v));
+  const Box box = boundsOf(instance.world_from_mesh, mesh);
+  return box.finite() ? surfaceOf(box) : -1.0;
+}
 
 }  // namespace
 
@@ -58,14 +77,11 @@ struct PairsCuller::Blockers {
     return index < solids.size() ? solids[index].hides(viewer, target)
                                  : faces[index - solids.size()].hides(viewer, target);
   }
-  void add(const SceneSnapshot& scene, const OccluderSet& set, const Candidate& candidate);
+  void add(const ConvexPiece& piece, const Instance& instance);
   void plant();
 };
 
-void PairsCuller::Blockers::add(const SceneSnapshot& scene, const OccluderSet& set,
-                                const Candidate& candidate) {
-  const ConvexPiece piece = set.piece(candidate.piece);
-  const Instance& instance = scene.instance(candidate.object);
+void PairsCuller::Blockers::add(const ConvexPiece& piece, const Instance& instance) {
   if (auto solid = SolidBlocker::of(piece, instance)) {
     solids.push_back(std::move(*solid));
   } else {
@@ -82,37 +98,34 @@ void PairsCuller::Blockers::plant() {
 }
 
 PairsCuller::PairsCuller(const SceneSnapshot& scene)
-    : PairsCuller(scene, std::make_shared<const OccluderSet>(OccluderSet::of(scene))) {}
+    : PairsCuller(scene, std::make_shared<const MeshPieces>(piecesOfMeshes(scene))) {}
 
 std::unique_ptr<const PairsCuller> PairsCuller::edited(const SceneSnapshot& next) const {
   return std::unique_ptr<const PairsCuller>(new PairsCuller(next, pieces_));
 }
 
-PairsCuller::PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const OccluderSet> pieces)
+PairsCuller::PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces)
     : pieces_(std::move(pieces)) {
-  const OccluderSet& set = *pieces_;
-  std::vector<std::pair<double, Candidate>> found;
+  std::vector<Candidate> found;
   for (std::size_t i = 0; i < scene.objectCount(); ++i) {
     const auto object = static_cast<ObjectId>(i);
     const Instance& instance = scene.instance(object);
     if (!instance.active() || instance.always_kept) continue;
-    const OccluderMesh& mesh = set.mesh(instance.mesh);
-    // Pieces of one object are ranked by the whole: their own boxes are not known yet.
-    for (std::uint32_t p = 0; p < mesh.piece_count; ++p) {
-      found.push_back({rankOf(instance.bounds_world), {object, mesh.first_piece + p}});
+    const ConvexPieces& of_mesh = (*pieces_)[instance.mesh];
+    for (std::uint32_t p = 0; p < of_mesh.size(); ++p) {
+      found.push_back({-rankOf(of_mesh[p], instance), object, p});
     }
   }
   auto blockers = std::make_unique<Blockers>();
   if (found.size() > kMostBlockers) {
-    const auto rank = [](const auto& f) {
-      return std::tuple(-f.first, f.second.object, f.second.piece);
-    };
-    std::nth_element(found.begin(), found.begin() + kMostBlockers, found.end(),
-                     [&](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    std::nth_element(found.begin(), found.begin() + kMostBlockers, found.end());
     blockers->left_out = found.size() - kMostBlockers;
     found.resize(kMostBlockers);
   }
-  for (const auto& [rank, candidate] : found) blockers->add(scene, set, candidate);
+  for (const Candidate& candidate : found) {
+    const Instance& instance = scene.instance(candidate.object);
+    blockers->add((*pieces_)[instance.mesh][candidate.piece], instance);
+  }
   blockers->plant();
   blockers_ = std::move(blockers);
 }
@@ -125,7 +138,8 @@ std::size_t PairsCuller::blockers() const noexcept {
 std::size_t PairsCuller::leftOut() const noexcept { return blockers_->left_out; }
 
 std::size_t PairsCuller::bytes() const noexcept {
-  std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes() + pieces_->bytes();
+  std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes();
+  for (const ConvexPieces& pieces : *pieces_) bytes += sizeof pieces + pieces.bytes();
   for (const SolidBlocker& solid : blockers_->solids) bytes += solid.bytes();
   for (const FaceBlocker& face : blockers_->faces) bytes += face.bytes();
   return bytes;

@@ -12,7 +12,7 @@
 
 #include "culling/core/clock.h"
 #include "culling/core/result.h"
-#include "culling/occluders/occluder_set.h"
+#include "culling/occluders/convex_pieces.h"
 #include "culling/pairs/places.h"
 #include "culling/scene/scene_snapshot.h"
 
@@ -32,10 +32,10 @@ struct PairsAnswer {
 class PairsCuller {
  public:
   /// The largest so many of a scene's occluders are kept, by the surface of their boxes.
-  static constexpr std::size_t kMostBlockers = std::size_t{1} << 18;
+  static constexpr std::size_t kMostBlockers = std::size_t{1} << 14;
 
-  /// Objects that are hidden, skinned, see-through or double-sided hide nothing. COST: O(n log n)
-  /// in convex pieces, O(triangles) to find them.
+  /// Of meshes made of convex parts alone, these parts; of others the largest flat faces. COST:
+  /// O(n log n) in parts and faces, O(triangles) to find them.
   explicit PairsCuller(const SceneSnapshot& scene);
   ~PairsCuller();
   /// The same for another version of the scene. COST: O(n log n): only the pieces are known.
@@ -53,9 +53,10 @@ class PairsCuller {
 
  private:
   struct Blockers;
-  PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const OccluderSet> pieces);
+  using MeshPieces = std::vector<ConvexPieces>;  ///< by MeshId
+  PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces);
 
-  std::shared_ptr<const OccluderSet> pieces_;  ///< of the meshes, which no edit changes
+  std::shared_ptr<const MeshPieces> pieces_;  ///< no edit changes meshes
   std::unique_ptr<const Blockers> blockers_;
 };
 

@@ -1,5 +1,5 @@
-// Boxes in a binary tree, to be asked which of them a segment meets. Built by halves along the
-// longest side: pairs are few, scenes change, so building counts for more than the last test saved.
+// Boxes in a binary tree, to be asked which of them a segment meets. Split along the longest side,
+// where surfaces are least.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -14,7 +14,7 @@ class SegmentTree {
   static constexpr std::size_t kLeaf = 4;  ///< boxes of a leaf, at most
 
   SegmentTree() = default;
-  /// REQUIRES: fewer than 2^31 boxes. COST: O(n log n).
+  /// REQUIRES: fewer than 2^31 boxes. COST: O(n log^2 n).
   explicit SegmentTree(std::span<const Box> boxes);
 
   /// Calls visit(index) for boxes that the segment may meet, until it returns true. Rounding may
@@ -47,7 +47,7 @@ bool SegmentTree::any(const glm::dvec3& from, const glm::dvec3& to, std::uint64_
                       Visit visit) const {
   if (nodes_.empty()) return false;
   const Segment segment{from, 1.0 / (to - from)};
-  std::uint32_t waiting[64];  // halves: no tree of 2^31 boxes is deeper
+  std::uint32_t waiting[192];  // an eighth at least: no tree of 2^31 boxes is deeper
   std::size_t count = 0;
   waiting[count++] = 0;
   while (count > 0) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 
 #include "culling/scene/scene_builder.h"
 #include "tests/scenes/shapes.h"
@@ -92,6 +93,47 @@ TEST(ConvexPieces, ABoxTurnedInsideOutIsNoPiece) {
   for (std::size_t i = 0; i < box.indices.size(); i += 3)
     std::swap(box.indices[i], box.indices[i + 1]);
   EXPECT_EQ(piecesOf(box).size(), 0U);
+}
+
+TEST(ConvexPieces, FacesOfAnyMeshAreItsFlatParts) {
+  const Triangles shape = unitBox();
+  const Mesh mesh = makeMesh({{shape.positions, shape.indices, true, false}});
+  const ConvexPieces faces = ConvexPieces::facesOf(mesh, 100);
+  ASSERT_EQ(faces.size(), 6U);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(faces[i].vertices.size(), 4U);
+    EXPECT_EQ(faces[i].faces.size(), 1U);
+    ASSERT_EQ(faces[i].edges.size(), 4U);
+    for (const PieceEdge& edge : faces[i].edges) {
+      EXPECT_EQ(edge.left, 0U);
+      EXPECT_EQ(edge.right, kNoFace);
+    }
+  }
+}
+
+TEST(ConvexPieces, TheLargestFacesStay) {
+  const Triangles shape = scenes::box(glm::vec3(0), glm::vec3(1, 2, 3));
+  const Mesh mesh = makeMesh({{shape.positions, shape.indices, true, false}});
+  const ConvexPieces faces = ConvexPieces::facesOf(mesh, 2);
+  ASSERT_EQ(faces.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const glm::vec3& v : faces[i].vertices) EXPECT_EQ(v.x, faces[i].vertices[0].x);
+  }
+}
+
+TEST(ConvexPieces, FacesWithTwoSidesComeTwice) {
+  const Triangles one = scenes::quad({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
+  const ConvexPieces faces =
+      ConvexPieces::facesOf(makeMesh({{one.positions, one.indices, true, true}}), 100);
+  ASSERT_EQ(faces.size(), 2U);
+  const auto winding = [&](std::size_t i) {
+    const auto& c = faces[i].faces[0].corner;
+    const auto& v = faces[i].vertices;
+    return glm::cross(v[c[1]] - v[c[0]], v[c[2]] - v[c[0]]).z;
+  };
+  EXPECT_GT(winding(0), 0.0F);
+  EXPECT_LT(winding(1), 0.0F);
+  EXPECT_EQ(faces[0].edges[0].from, faces[1].edges[0].to);
 }
 
 }  // namespace

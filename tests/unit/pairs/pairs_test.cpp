@@ -71,6 +71,30 @@ TEST(Pairs, AreHiddenByOpaqueSolidsOnly) {
   }
 }
 
+TEST(Pairs, AreHiddenByFacesOfWhatIsNotConvex) {
+  // A box and a fin that share a corner: no convex parts alone, and double-sided besides.
+  scenes::Model model;
+  scenes::Material both_sides;
+  both_sides.double_sided = true;
+  const auto material = model.addMaterial(both_sides);
+  scenes::Triangles shape = scenes::box({-5, 0, -0.25F}, {5, 10, 0.25F});
+  scenes::append(shape, scenes::quad({-5, 0, -0.25F}, {0, 0, -9}, {0, 10, 0}));
+  const auto mesh = model.addMesh({"corner", {{shape, material}}});
+  scenes::ModelNode node;
+  node.mesh = mesh;
+  model.addNode(node);
+  const PairsCuller culler(*scenes::toSnapshot(model));
+  EXPECT_EQ(culler.blockers(), 14U) << "seven faces, from both sides";
+  const auto hidden = [&](const Place& viewer, const Place& target) {
+    return culler.cull({&viewer, 1}, {&target, 1}).value().hidden == 1;
+  };
+  EXPECT_TRUE(hidden(at(0, 5, 5), at(0, 5, -5, 1)));
+  EXPECT_TRUE(hidden(at(0, 5, -5), at(0, 5, 5, 1)));
+  EXPECT_TRUE(hidden(at(0, 5, 0), at(0, 5, 5, 1))) << "from inside: its other side blocks";
+  EXPECT_TRUE(hidden(at(-9, 5, -5), at(0, 5, -5, 1)));
+  EXPECT_FALSE(hidden(at(0, 5, 5), at(9, 5, -5, 1)));
+}
+
 TEST(Pairs, OfNobodyAreNone) {
   const PairsCuller culler(*wall());
   const Place place = at(0, 2, 5);
