@@ -97,8 +97,7 @@ class OccluderVolumesMethod final : public Method {
   }
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
-    auto occluders =
-        std::make_shared<const VolumeOccluders>(VolumeOccluders::of(*scene, options_.hulls));
+    auto occluders = occludersOf(*scene);
     return OccluderVolumesCuller::around(PreparedBoxes::of(std::move(scene)), std::move(occluders),
                                          options_, clock);
   }
@@ -106,8 +105,7 @@ class OccluderVolumesMethod final : public Method {
                                                 const Clock& clock) const override {
     const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
     if (lender == nullptr) return prepare(std::move(scene), clock);
-    auto occluders =
-        std::make_shared<const VolumeOccluders>(VolumeOccluders::of(*scene, options_.hulls));
+    auto occluders = occludersOf(*scene);
     return OccluderVolumesCuller::around(lender->boxes(), std::move(occluders), options_, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
@@ -116,6 +114,11 @@ class OccluderVolumesMethod final : public Method {
   }
 
  private:
+  SharedOccluders occludersOf(const SceneSnapshot& scene) const {
+    const std::size_t hull_triangles = options_.hulls ? VolumeOccluders::kMostHullTriangles : 0;
+    return std::make_shared<const VolumeOccluders>(VolumeOccluders::of(scene, hull_triangles));
+  }
+
   OccluderVolumesOptions options_;
 };
 

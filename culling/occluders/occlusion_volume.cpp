@@ -16,6 +16,7 @@ namespace {
 constexpr double kUlp = 0x1p-53;
 constexpr double kUp = 1.0 + 1e-9;
 constexpr double kTiny = 1e-280;    ///< products below it could lose bits without a relative bound
+constexpr double kTie = 0x1p-38;    ///< of the distance: what is no farther behind is not hidden
 constexpr double kFarthest = 1e90;  ///< beyond it, products could overflow
 constexpr std::size_t kMostPlanes = 64;
 
@@ -125,7 +126,7 @@ class VolumeBuilder {
     plane.normal = n;
     plane.offset = glm::dot(n, p);
     plane.length = kUp * (glm::length(n) + 2.0 * n_error);
-    plane.slack = 4.0 * n_error * map_.reach + 2.0 * sumAbs(n) * e + kTiny;
+    plane.slack = 4.0 * n_error * map_.reach + sumAbs(n) * (2.0 * e + kTie * map_.reach) + kTiny;
     plane.slack_per_m = 4.0 * n_error + 16.0 * kUlp * sumAbs(n);
     if (eye_.perspective) {
       const double away = eye_.radius_m + (clear_ ? 0.0 : eye_.near_m);
@@ -193,7 +194,7 @@ class VolumeBuilder {
       if ((front_vertices_ >> v & 1U) != 0)
         plane.offset = std::max(plane.offset, glm::dot(normal, points_[v]));
     }
-    plane.slack = 2.0 * size * map_.error + kTiny;
+    plane.slack = size * (2.0 * map_.error + kTie * map_.reach) + kTiny;
     plane.slack_per_m = 16.0 * kUlp * size;
     out_.planes_.push_back(plane);
     return true;
@@ -320,7 +321,8 @@ double seenCorners(const Box& box_mesh, const std::array<double, 12>& world_from
                         glm::max(glm::abs(box_mesh.min), glm::abs(box_mesh.max)));
   for (std::uint32_t i = 0; i < 8; ++i)
     corners[i] = map(corner({box_mesh.min, box_mesh.max, 0.0}, i));
-  return 8.0 * map.reach;
+  // Its bounds are padded for the rounding of world coordinates; these count as if they were.
+  return 8.0 * map.reach + largestOf(eye.origin_world);
 }
 
 }  // namespace culld

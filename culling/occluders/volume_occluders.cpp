@@ -43,13 +43,37 @@ void find(const Mesh& mesh, bool hulls, Offer& offer) {
     offer.occluders.resize(VolumeOccluders::kMostOfMesh);
 }
 
+/// By mesh: is it one to look for hulls in? Those of the largest objects are, until `triangles` of
+/// them are used up.
+std::vector<std::uint8_t> hullMeshes(const SceneSnapshot& scene, std::size_t triangles) {
+  std::vector<double> size(scene.meshCount(), 0.0);
+  for (std::size_t i = 0; i < scene.objectCount(); ++i) {
+    const Instance& instance = scene.instance(static_cast<ObjectId>(i));
+    if (instance.active() && !instance.always_kept)
+      size[instance.mesh] = std::max(size[instance.mesh], sizeOf(instance.bounds_world));
+  }
+  std::vector<MeshId> order(size.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](MeshId a, MeshId b) { return size[a] > size[b]; });
+  std::vector<std::uint8_t> chosen(size.size(), 0);
+  for (const MeshId mesh : order) {
+    const std::size_t count = scene.mesh(mesh).triangles.size();
+    if (count > triangles) continue;
+    triangles -= count;
+    chosen[mesh] = 1;
+  }
+  return chosen;
+}
+
 }  // namespace
 
-VolumeOccluders VolumeOccluders::of(const SceneSnapshot& scene, bool hulls) {
+VolumeOccluders VolumeOccluders::of(const SceneSnapshot& scene, std::size_t hull_triangles) {
   std::vector<Offer> offers(scene.meshCount());
+  const std::vector<std::uint8_t> with_hulls = hullMeshes(scene, hull_triangles);
   parallelFor(offers.size(), [&](std::size_t i) {
     const Mesh& mesh = scene.mesh(static_cast<MeshId>(i));
-    if (!mesh.unbounded) find(mesh, hulls, offers[i]);
+    if (!mesh.unbounded) find(mesh, with_hulls[i] != 0, offers[i]);
   });
   VolumeOccluders all;
   all.ends_.push_back(0);

@@ -15,9 +15,15 @@ class VolumeOccluders {
   /// Of one mesh, the smaller ones are left out.
   static constexpr std::size_t kMostOfMesh = 64;
 
-  /// `hulls`: meshes that are not convex pieces offer hulls within their closed parts.
-  /// COST: O(triangles), on all cores.
-  static VolumeOccluders of(const SceneSnapshot& scene, bool hulls);
+  /// Hulls are looked for in meshes of so many triangles in all: in the larger objects' meshes
+  /// first.
+  static constexpr std::size_t kMostHullTriangles = std::size_t{1} << 19;
+
+  /// Meshes that are not convex pieces offer hulls within their closed parts, if those may be
+  /// looked for in `hull_triangles`. COST: O(objects + triangles), on all cores; for hulls 2 to 20
+  /// us a triangle of a closed part.
+  static VolumeOccluders of(const SceneSnapshot& scene,
+                            std::size_t hull_triangles = kMostHullTriangles);
 
   std::uint32_t countOf(MeshId mesh) const noexcept { return ends_[mesh + 1] - ends_[mesh]; }
   /// The `i`-th largest of a mesh. Its spans live as long as this.

@@ -108,7 +108,7 @@ void attackOne(std::uint64_t seed, bool perspective, bool moving, Attack& attack
   SceneBuilder builder;
   builder.addMesh(makeMesh({{shape.positions, shape.indices, true, false}}));
   const SnapshotPtr scene = builder.finish();
-  const VolumeOccluders occluders = VolumeOccluders::of(*scene, true);
+  const VolumeOccluders occluders = VolumeOccluders::of(*scene);
   ASSERT_EQ(occluders.countOf(0), 1U);
   const double scale = std::pow(10.0, between(random, -4, 4));
   const double distance = scale * std::pow(10.0, between(random, 0.2, 3));

@@ -14,7 +14,7 @@ namespace {
 /// A box of half side 1 about the origin, seen from (0, 0, 10).
 class SeenFromTheFront : public ::testing::Test {
  protected:
-  SeenFromTheFront() : scene_(boxScene()), occluders_(VolumeOccluders::of(*scene_, true)) {
+  SeenFromTheFront() : scene_(boxScene()), occluders_(VolumeOccluders::of(*scene_)) {
     eye_.origin_world = {0, 0, 10};
   }
 
@@ -90,6 +90,18 @@ TEST_F(SeenFromTheFront, TheSphereSavesCornersAndChangesNoVerdict) {
     if (sphere) with_sphere = planes_;
   }
   EXPECT_LT(with_sphere, planes_);
+}
+
+TEST_F(SeenFromTheFront, WhatIsBehindByNoMoreThanATieIsNotHidden) {
+  for (const bool collapse : {true, false}) {
+    ASSERT_TRUE(make({.collapse = collapse}));
+    for (const double gap : {0.0, 1e-12, 2e-12}) {
+      const glm::dvec3 low(-0.5, -0.5, -9.0 * (1.0 + gap)), high(0.5, 0.5, -9.0 * (1.0 + gap));
+      EXPECT_NE(volume_.test(seenBox({}, low, high), planes_), VolumeVerdict::kHidden) << gap;
+    }
+    const glm::dvec3 low(-0.5, -0.5, -9.0 - 1e-9), high(0.5, 0.5, -9.0 - 1e-9);
+    EXPECT_EQ(volume_.test(seenBox({}, low, high), planes_), VolumeVerdict::kHidden);
+  }
 }
 
 TEST_F(SeenFromTheFront, AMovingEyeHidesLess) {
