@@ -157,6 +157,27 @@ culld_code culld_edit(culld_connection* connection, const culld_edit_item* items
   });
 }
 
+culld_code culld_pairs(culld_connection* connection, const culld_place* viewers,
+                       size_t viewer_count, const culld_place* targets, size_t target_count,
+                       uint32_t time_us, uint8_t* may_see, uint64_t* version, culld_error* error) {
+  return guarded(error, [&]() -> culld_code {
+    auto from = placesOf(viewers, viewer_count);
+    if (!from) return tell(error, from.error());
+    auto to = placesOf(targets, target_count);
+    if (!to) return tell(error, to.error());
+    if (may_see == nullptr) return tell(error, CULLD_INVALID_INPUT, "may_see: NULL");
+    const auto outcome = connection->connection->pairs(
+        std::move(from).value(), std::move(to).value(), std::chrono::microseconds(time_us));
+    if (!outcome) return tell(error, outcome.error());
+    const bool fits =
+        outcome.value().viewers == viewer_count && outcome.value().targets == target_count;
+    if (!fits) return tell(error, CULLD_UNAVAILABLE, "pairs: the answer is to another question");
+    std::copy(outcome.value().bits.begin(), outcome.value().bits.end(), may_see);
+    if (version != nullptr) *version = outcome.value().scene_version;
+    return tell(error, CULLD_OK, "");
+  });
+}
+
 void culld_camera_init(culld_camera* camera, size_t size) { given(camera, size, defaultCamera()); }
 
 void culld_demand_init(culld_demand* demand, size_t size) { given(demand, size, defaultDemand()); }

@@ -146,4 +146,15 @@ Result<std::vector<EditItem>> editsOf(const culld_edit_item* items, std::size_t 
   return edits;
 }
 
+Result<std::vector<Place>> placesOf(const culld_place* places, std::size_t count) {
+  if (places == nullptr && count > 0) return protocol::invalidInput("places: NULL");
+  std::vector<Place> out(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    std::copy_n(places[i].min, 3, out[i].min.begin());
+    std::copy_n(places[i].max, 3, out[i].max.begin());
+    out[i].radius_m = places[i].radius_m;
+  }
+  return out;
+}
+
 }  // namespace culld::client

@@ -47,4 +47,7 @@ culld_scene_info infoOf(const SceneInfo& scene);
 /// ERROR: kInvalidInput: of no kind.
 Result<std::vector<EditItem>> editsOf(const culld_edit_item* items, std::size_t count);
 
+/// ERROR: kInvalidInput: NULL where there are some.
+Result<std::vector<Place>> placesOf(const culld_place* places, std::size_t count);
+
 }  // namespace culld::client

@@ -189,6 +189,40 @@ TEST(CApi, EditsAndPings) {
   EXPECT_GT(ns, 0U);
 }
 
+TEST(CApi, AsksAboutPairs) {
+  Script server([](Peer& peer) {
+    peer.greet();
+    peer.openView();
+    const Message message = peer.next();
+    const auto& pairs = std::get<protocol::Pairs>(message.body);
+    EXPECT_EQ(pairs.time_us, 500U);
+    EXPECT_EQ(pairs.viewers.at(1), (protocol::Place{{1, 2, 3}, {4, 5, 6}, 0.5}));
+    EXPECT_EQ(pairs.targets.size(), 5U);
+    peer.send({message.id, protocol::PairsAnswer{7, 2, 5, {0xFE, 0x01}, false, 1, 1}});
+    peer.send({peer.next().id, protocol::PairsAnswer{7, 1, 1, {1}, false, 1, 1}});
+    peer.awaitEnd();
+  });
+  CClient client(server.address());
+  ASSERT_NE(client.view, nullptr);
+  const culld_place viewers[2] = {{}, {{1, 2, 3}, {4, 5, 6}, 0.5}};
+  const culld_place targets[5]{};
+  std::uint8_t may_see[2] = {0, 0};
+  std::uint64_t version = 0;
+  ASSERT_EQ(culld_pairs(client.connection, viewers, 2, targets, 5, 500, may_see, &version, nullptr),
+            CULLD_OK);
+  EXPECT_EQ(may_see[0], 0xFE);
+  EXPECT_EQ(may_see[1], 0x01);
+  EXPECT_EQ(version, 7U);
+  culld_error error;
+  EXPECT_EQ(culld_pairs(client.connection, viewers, 2, targets, 5, 0, may_see, nullptr, &error),
+            CULLD_UNAVAILABLE);
+  EXPECT_STREQ(error.message, "pairs: the answer is to another question");
+  EXPECT_EQ(culld_pairs(client.connection, nullptr, 2, targets, 5, 0, may_see, nullptr, &error),
+            CULLD_INVALID_INPUT);
+  EXPECT_EQ(culld_pairs(client.connection, viewers, 2, targets, 5, 0, nullptr, nullptr, &error),
+            CULLD_INVALID_INPUT);
+}
+
 TEST(CApi, NamesBadArguments) {
   Script server([](Peer& peer) {
     peer.greet();

@@ -7,9 +7,9 @@
  *
  * Threads: every function may be called on any thread. A connection has a thread of its own, and
  * all its callbacks are called on it, one at a time. A callback may call everything: what would
- * wait for its own thread (culld_open_view, culld_cull, culld_edit, culld_ping) refuses with
- * CULLD_INVALID_INPUT, and freeing the connection there is allowed. A call that is refused without
- * asking the server, as after the end, may call back before it returns.
+ * wait for its own thread (culld_open_view, culld_cull, culld_edit, culld_pairs, culld_ping)
+ * refuses with CULLD_INVALID_INPUT, and freeing the connection there is allowed. A call that is
+ * refused without asking the server, as after the end, may call back before it returns.
  *
  * Structs begin with their size: a program built with an older header works with a newer library.
  * Functions that are given a struct of a size which they do not know use what they do. */
@@ -114,6 +114,18 @@ CULLD_API culld_code culld_edit(culld_connection* connection, const culld_edit_i
                                 size_t count, uint64_t expected_version, uint64_t* version,
                                 uint32_t* added, size_t added_capacity, size_t* added_count,
                                 culld_error* error);
+
+typedef struct culld_place { /* of fixed size: arrays of them are passed */
+  double min[3], max[3];     /* a box of world space, metres; equal for a point */
+  double radius_m;           /* how far it may move */
+} culld_place;
+/* Which viewers may see which targets? Of `may_see` bit v * target_count + t, lowest of each byte
+ * first, is 0 only where it is proven that they cannot; (viewer_count * target_count + 7) / 8
+ * bytes. `time_us` 0: no limit. `version` may be NULL. */
+CULLD_API culld_code culld_pairs(culld_connection* connection, const culld_place* viewers,
+                                 size_t viewer_count, const culld_place* targets,
+                                 size_t target_count, uint32_t time_us, uint8_t* may_see,
+                                 uint64_t* version, culld_error* error);
 
 /* --- views ------------------------------------------------------------------------------------ */
 
