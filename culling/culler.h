@@ -124,6 +124,7 @@ struct SceneProfile {
   std::uint64_t objects = 0;
   std::uint64_t triangles = 0;
   std::uint64_t blocking_triangles = 0;
+  double overhang = 0.0;  ///< 0 for streets of houses, toward 1/2 in caves (planner/overhang.h)
 };
 
 struct MethodInfo {

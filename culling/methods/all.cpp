@@ -2,6 +2,7 @@
 // `auto` comes last: it chooses among the others.
 #include "culling/culler.h"
 #include "culling/methods/frustum.h"
+#include "culling/methods/horizon.h"
 #include "culling/methods/layers.h"
 #include "culling/methods/occluder_volumes.h"
 #include "culling/methods/occlusion_map.h"
@@ -15,13 +16,8 @@ std::span<const Method* const> allMethods() noexcept {
   static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
   static const AutoMethod automatic(stages);
   static const Method* const methods[] = {
-      stages[0],
-      stages[1],
-      &occluderVolumesMethod(),
-      &occlusionMapMethod(),
-      &zPyramidMethod(),
-      &layersMethod(),
-      &automatic,
+      stages[0],         stages[1],       &occluderVolumesMethod(), &occlusionMapMethod(),
+      &zPyramidMethod(), &layersMethod(), &horizonMethod(),         &automatic,
   };
   return methods;
 }

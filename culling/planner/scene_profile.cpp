@@ -1,5 +1,7 @@
 #include "culling/planner/scene_profile.h"
 
+#include "culling/planner/overhang.h"
+
 namespace culld {
 
 SceneProfile profileScene(const SceneSnapshot& scene) {
@@ -12,6 +14,7 @@ SceneProfile profileScene(const SceneSnapshot& scene) {
     profile.triangles += mesh.triangles.size();
     if (!instance.always_kept) profile.blocking_triangles += mesh.blocking_triangles;
   }
+  profile.overhang = overhangOf(scene);
   return profile;
 }
 
