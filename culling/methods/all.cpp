@@ -6,6 +6,7 @@
 #include "culling/methods/layers.h"
 #include "culling/methods/occluder_volumes.h"
 #include "culling/methods/occlusion_map.h"
+#include "culling/methods/polygon_tiling.h"
 #include "culling/methods/raster.h"
 #include "culling/methods/z_pyramid.h"
 #include "culling/planner/auto_method.h"
@@ -16,8 +17,15 @@ std::span<const Method* const> allMethods() noexcept {
   static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
   static const AutoMethod automatic(stages);
   static const Method* const methods[] = {
-      stages[0],         stages[1],       &occluderVolumesMethod(), &occlusionMapMethod(),
-      &zPyramidMethod(), &layersMethod(), &horizonMethod(),         &automatic,
+      stages[0],
+      stages[1],
+      &occluderVolumesMethod(),
+      &occlusionMapMethod(),
+      &zPyramidMethod(),
+      &polygonTilingMethod(),
+      &layersMethod(),
+      &horizonMethod(),
+      &automatic,
   };
   return methods;
 }

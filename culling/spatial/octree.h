@@ -47,8 +47,10 @@ class Octree {
   /// The octree of the next version of the scene. Never wrong, and looser with many edits; built
   /// anew once a rebuild pays. REQUIRES: fits; `next` came from `scene`, which this is of, by edits
   /// of the objects in `changed`. COST: O(changed * depth) plus one pointer per chunk.
+  /// `touched`: gets the nodes whose own objects changed, ascending; all of them after a rebuild.
   Octree edited(const SceneSnapshot& scene, const SceneSnapshot& next,
-                std::span<const ObjectId> changed) const;
+                std::span<const ObjectId> changed,
+                std::vector<std::uint32_t>* touched = nullptr) const;
 
   bool empty() const noexcept { return nodes_.size() == 0; }
   std::size_t nodeCount() const noexcept { return nodes_.size(); }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "culling/spatial/octree.h"
 #include "culling/spatial/octree_split.h"
@@ -11,18 +13,6 @@
 
 namespace culld {
 namespace {
-
-/// Contains what the lane does.
-Box laneBox(const WideNode& node, std::size_t lane) {
-  WideNode alone = emptyNode();
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    alone.origin[axis] = node.origin[axis];
-    alone.offsets[kMinX + axis][0] = node.offsets[kMinX + axis][lane];
-    alone.offsets[kMaxX + axis][0] = node.offsets[kMaxX + axis][lane];
-  }
-  alone.live = static_cast<std::uint16_t>(node.live >> lane & 1U);
-  return boundsOf(alone);
-}
 
 bool hasLane(const Instance& instance) {
   return instance.active() && laneClassOf(instance) == LaneClass::kLane;
@@ -34,6 +24,9 @@ class OctreeEditor {
  public:
   OctreeEditor(Octree& octree, const SceneSnapshot& scene, const SceneSnapshot& next)
       : octree_(octree), scene_(scene), next_(next) {}
+
+  /// Nodes whose own objects changed, in no order, some of them twice.
+  std::vector<std::uint32_t>& touched() { return touched_; }
 
   void update(ObjectId id) {
     if (id < scene_.objectCount() && hasLane(scene_.instance(id))) {
@@ -73,7 +66,7 @@ class OctreeEditor {
   void setLane(std::uint32_t at, std::size_t lane, ChildRef child, const Box& box, bool blocking) {
     WideNode& node = octree_.lanes_.mutableAt(at);
     Box boxes[kWideLanes];
-    for (std::size_t l = 0; l < kWideLanes; ++l) boxes[l] = l == lane ? box : laneBox(node, l);
+    for (std::size_t l = 0; l < kWideLanes; ++l) boxes[l] = l == lane ? box : boundsOfLane(node, l);
     node.child[lane] = child;
     const auto bit = static_cast<std::uint16_t>(1U << lane);
     node.blocking =
@@ -95,6 +88,7 @@ class OctreeEditor {
         if (octree_.lanes_[at].child[l] != ChildRef::object(id)) continue;
         setLane(at, l, ChildRef(), Box{}, false);
         --octree_.lanes_taken_;
+        touched_.push_back(index);
         return true;
       }
     }
@@ -151,6 +145,7 @@ class OctreeEditor {
 
   void insertHere(std::uint32_t index, ObjectId id, const Box& box) {
     ++octree_.lanes_taken_;
+    touched_.push_back(index);
     const bool blocking = next_.mesh(next_.instance(id).mesh).blocking_triangles != 0;
     const std::uint32_t first = octree_.nodes_[index].objects;
     for (std::uint32_t at = first; at != OctreeNode::kNone; at = octree_.next_[at]) {
@@ -170,19 +165,33 @@ class OctreeEditor {
   Octree& octree_;
   const SceneSnapshot& scene_;
   const SceneSnapshot& next_;
+  std::vector<std::uint32_t> touched_;
   Box bounds_;  ///< of the object being put in, whole
 };
 
 Octree Octree::edited(const SceneSnapshot& scene, const SceneSnapshot& next,
-                      std::span<const ObjectId> changed) const {
+                      std::span<const ObjectId> changed,
+                      std::vector<std::uint32_t>* touched) const {
   std::vector<ObjectId> ids(changed.begin(), changed.end());
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   constexpr std::size_t kFewEdits = 1024;  // and else not more than a quarter of the objects
-  if (edits_since_build_ + ids.size() > kFewEdits + objects_ / 4) return of(next, rules_);
+  if (edits_since_build_ + ids.size() > kFewEdits + objects_ / 4) {
+    Octree fresh = of(next, rules_);
+    if (touched != nullptr) {
+      touched->resize(fresh.nodeCount());
+      std::iota(touched->begin(), touched->end(), 0U);
+    }
+    return fresh;
+  }
   Octree octree = *this;
   OctreeEditor editor(octree, scene, next);
   for (const ObjectId id : ids) editor.update(id);
+  if (touched != nullptr) {
+    *touched = std::move(editor.touched());
+    std::sort(touched->begin(), touched->end());
+    touched->erase(std::unique(touched->begin(), touched->end()), touched->end());
+  }
   return octree;
 }
 

@@ -46,6 +46,17 @@ Box boundsOf(const WideNode& node) noexcept {
   return box;
 }
 
+Box boundsOfLane(const WideNode& node, std::size_t lane) noexcept {
+  WideNode alone = emptyNode();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    alone.origin[axis] = node.origin[axis];
+    alone.offsets[kMinX + axis][0] = node.offsets[kMinX + axis][lane];
+    alone.offsets[kMaxX + axis][0] = node.offsets[kMaxX + axis][lane];
+  }
+  alone.live = static_cast<std::uint16_t>(node.live >> lane & 1U);
+  return boundsOf(alone);
+}
+
 void fitNode(WideNode& node, const Box (&boxes)[kWideLanes]) noexcept {
   Box all;
   for (const Box& box : boxes) all.grow(box);

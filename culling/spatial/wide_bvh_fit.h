@@ -19,6 +19,9 @@ WideNode emptyNode() noexcept;
 /// Contains every live lane of the node exactly; empty if no lane is live.
 Box boundsOf(const WideNode& node) noexcept;
 
+/// Contains what the lane does; empty if it is not live.
+Box boundsOfLane(const WideNode& node, std::size_t lane) noexcept;
+
 /// Sets everything but the children of the node from its children. `node_at(index)` gives
 /// a child node, which is fitted already.
 template <typename NodeAt>
