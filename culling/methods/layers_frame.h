@@ -18,7 +18,7 @@ namespace culld {
 /// The method's switches and numbers (docs/methods/layers.md).
 struct LayersOptions {
   double cells_per_object = 2.0;
-  double solidity = 0.7;
+  double solidity = 0.4;
   std::uint32_t most_polygons = 40'000;  ///< drawn, conservative
   std::uint32_t most_triangles = 0;      ///< answered, approximate; 0: no limit
   double accepted_px = 0.0;              ///< accepted loss where the demand names none

@@ -102,7 +102,7 @@ std::size_t seenWithinBudget(const HalfOpen& world, const std::string& settings)
 
 TEST(Layers, SpendsItsBudgetWhereSightIsClear) {
   const HalfOpen world;
-  EXPECT_GT(seenWithinBudget(world, ""), seenWithinBudget(world, ":solidity=0"));
+  EXPECT_GT(seenWithinBudget(world, ":solidity=0.7"), seenWithinBudget(world, ":solidity=0"));
 }
 
 TEST(Layers, FitsItsCellsToTheNumberOfObjects) {
