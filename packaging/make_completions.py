@@ -18,7 +18,7 @@ SIMD_TARGETS = ["auto", "sse4", "avx2", "avx3"]
 
 # What follows an option, where more is known than "a word". A positional's name is its key.
 VALUES = {
-    "--cameras": FILES, "--config": FILES, "--ca": FILES, "--log-format": ["text", "json"],
+    "--cameras": FILES, "--depth-picture": FILES, "--config": FILES, "--ca": FILES, "--log-format": ["text", "json"],
     "--log-level": ["debug", "info", "warning", "error"], "--output": FILES, "--json": FILES,
     "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS,
     "--scene": NAMED_FILES, "--guarantee": GUARANTEES, "--backend": ["auto", "cpu"], "--simd": SIMD_TARGETS,

@@ -8,6 +8,8 @@
 
 #include "culling/core/prices.h"
 #include "culling/planner/auto_method.h"
+#include "culling/planner/depth_complexity.h"
+#include "culling/planner/sample_views.h"
 #include "culling/planner/scene_shape.h"
 #include "culling/spatial/wide_bvh.h"
 
@@ -17,6 +19,8 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kRounds = 5;  ///< along the cameras
+constexpr std::size_t kDepthViews = 4, kMostDepth = 64;
+constexpr std::uint32_t kDepthWidthPx = 320, kDepthHeightPx = 180;
 
 double us(std::chrono::nanoseconds time) {
   return std::chrono::duration<double, std::micro>(time).count();
@@ -58,6 +62,26 @@ json viewsJson(const Plan& plan) {
           {"occlusion_pays_in", pays},
           {"occlusion_gain_us", mean(gain_us)},
           {"occlusion_gain_at_most_us", us(plan.object_price) * mean(in_frustum)}};
+}
+
+/// Over all pixels of all views.
+json depthJson(const SceneSnapshot& scene, std::span<const Camera> cameras) {
+  const std::vector<Camera> views = depthViews(scene, cameras);
+  DepthComplexity all;
+  for (const Camera& view : views) {
+    const auto one = depthComplexity(scene, view, kDepthWidthPx, kDepthHeightPx);
+    all.surfaces.insert(all.surfaces.end(), one.surfaces.begin(), one.surfaces.end());
+  }
+  std::vector<std::uint64_t> pixels = all.histogram();
+  while (pixels.size() > kMostDepth + 1) {  // the last entry: so many or more
+    pixels[kMostDepth] += pixels.back();
+    pixels.pop_back();
+  }
+  return {{"views", views.size()},
+          {"mean", all.mean()},
+          {"p95", all.percentile(0.95)},
+          {"most", all.most()},
+          {"pixels_by_surfaces", pixels}};
 }
 
 json line(const std::string& what, const std::string& why) {
@@ -150,6 +174,17 @@ Result<json> camerasJson(const SnapshotPtr& scene, const Plan& plan, const Culle
 
 }  // namespace
 
+std::vector<Camera> depthViews(const SceneSnapshot& scene, std::span<const Camera> cameras) {
+  std::vector<Camera> views;
+  if (cameras.empty()) {
+    for (const SampledView& view : sampleViews(scene, kDepthViews)) views.push_back(view.camera);
+    return views;
+  }
+  const std::size_t step = (cameras.size() + kDepthViews - 1) / kDepthViews;
+  for (std::size_t i = 0; i < cameras.size(); i += step) views.push_back(cameras[i]);
+  return views;
+}
+
 Result<std::string> planReport(const std::string& file, const SnapshotPtr& scene,
                                const Method& automatic, std::span<const Camera> cameras) {
   auto prepared = automatic.prepare(scene);
@@ -161,6 +196,7 @@ Result<std::string> planReport(const std::string& file, const SnapshotPtr& scene
               {"views", viewsJson(plan)},
               {"used", usedJson(*scene, plan, culler)},
               {"left_out", leftOutJson(*scene, plan)}};
+  report["depth"] = depthJson(*scene, cameras);
   report["scene"]["file"] = file;
   if (!cameras.empty()) {
     auto measured = camerasJson(scene, plan, culler, cameras);

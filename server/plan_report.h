@@ -2,6 +2,7 @@
 #pragma once
 #include <span>
 #include <string>
+#include <vector>
 
 #include "culling/core/camera.h"
 #include "culling/culler.h"
@@ -13,6 +14,10 @@ namespace culld {
 /// planner's.
 Result<std::string> planReport(const std::string& file, const SnapshotPtr& scene,
                                const Method& automatic, std::span<const Camera> cameras);
+
+/// What depth complexity is measured on: some of the cameras, or of the sampled views if there are
+/// none.
+std::vector<Camera> depthViews(const SceneSnapshot& scene, std::span<const Camera> cameras);
 
 /// REQUIRES: what planReport() gave.
 std::string planText(const std::string& report);

@@ -60,6 +60,13 @@ void viewsText(const json& report, std::ostream& out) {
       << " us\n";
 }
 
+void depthText(const json& depth, std::ostream& out) {
+  if (depth["views"].get<int>() == 0) return;
+  out << "  surfaces a pixel   " << number(depth["mean"]) << " on average, at most "
+      << count(depth["p95"]) << " in 95 % of the pixels, " << count(depth["most"])
+      << " at most, in " << count(depth["views"]) << " views\n";
+}
+
 void listText(const char* title, const json& lines, std::ostream& out) {
   out << "\n" << title << "\n";
   for (const json& line : lines) {
@@ -93,6 +100,7 @@ std::string planText(const std::string& text) {
   std::ostringstream out;
   sceneText(report["scene"], out);
   viewsText(report, out);
+  depthText(report["depth"], out);
   listText("Used", report["used"]["stages"], out);
   out << "  " << megabytes(report["used"]["prepared_bytes"]) << " beyond the scene\n";
   listText("Left out", report["left_out"], out);

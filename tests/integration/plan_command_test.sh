@@ -24,6 +24,8 @@ assert arena["views"]["occlusion_gain_us"] < 0 < rooms["views"]["occlusion_gain_
 assert arena["used"]["prepared_bytes"] < rooms["used"]["prepared_bytes"]
 assert arena["scene"]["objects"] == rooms["scene"]["objects"] == 2000
 assert rooms["scene"]["closedness"] > arena["scene"]["closedness"], (rooms["scene"], arena["scene"])
+assert rooms["depth"]["mean"] > 2 * arena["depth"]["mean"] > 0, (rooms["depth"], arena["depth"])
+assert rooms["depth"]["p95"] <= rooms["depth"]["most"] and sum(rooms["depth"]["pixels_by_surfaces"]) == 320 * 180 * rooms["depth"]["views"]
 assert "cameras" not in rooms
 measured = {m["method"]: m for m in cameras["cameras"]["methods"]}
 assert cameras["cameras"]["count"] == 6 and set(measured) == {"frustum", "raster", "auto"}, measured
@@ -36,6 +38,7 @@ END
 for words in "2000 objects" "Measured" "Used" "Left out" "occlusion (raster): raster pays in 0 of" "only positions are kept"; do
   grep -qF "$words" "$work/text" || die "the text lacks: $words"
 done
+"$bin/culld" plan "$work/arena.glb" --depth-picture "$work/depth.png" >/dev/null && [ -s "$work/depth.png" ] || die "no picture of depth"
 "$bin/culld" plan "$work/rooms.glb" --cameras "$work/rooms.json" | grep -qF "On 6 cameras" || die "the text lacks the cameras"
 
 # Planning counts work and asks no clock: the same words every time.
