@@ -1,5 +1,6 @@
 #include "server/pairs_job.h"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -12,6 +13,14 @@ namespace {
 
 using protocol::WireCode;
 
+/// More is not spent on one question, whatever it allows: a worker that has begun does not stop.
+constexpr std::chrono::nanoseconds kMostTime = std::chrono::seconds(2);
+
+std::chrono::nanoseconds timeOf(const protocol::Pairs& pairs) {
+  const std::chrono::nanoseconds asked = std::chrono::microseconds(pairs.time_us);
+  return asked.count() == 0 ? kMostTime : std::min(asked, kMostTime);
+}
+
 void refuse(PairsOutcome& outcome, WireCode code, const std::string& what) {
   outcome.error = code;
   outcome.message = protocol::encode(
@@ -23,7 +32,7 @@ void answerInto(PairsOutcome& outcome, const Clock& clock) {
   const auto culler = job.scene->pairs();
   const auto begun = clock.now();
   auto answer = culler->cull(toEngine(job.pairs.viewers), toEngine(job.pairs.targets),
-                             std::chrono::microseconds(job.pairs.time_us), clock);
+                             timeOf(job.pairs), clock);
   if (!answer) return refuse(outcome, WireCode::kInvalidDemand, answer.error().message);
   PairsAnswer& made = answer.value();
   outcome.pairs = job.pairs.viewers.size() * job.pairs.targets.size();

@@ -70,8 +70,8 @@ std::shared_ptr<const PairsCuller> SceneVersion::pairs() const {
 SceneVersionPtr SceneVersion::edited(SnapshotPtr next, std::span<const ObjectId> changed) const {
   std::shared_ptr<SceneVersion> version(new SceneVersion(*this, std::move(next)));
   {
-    const std::lock_guard lock(pairs_mutex_);
-    version->pairs_ = pairs_;
+    const std::unique_lock lock(pairs_mutex_, std::try_to_lock);  // does not wait for preparing
+    if (lock) version->pairs_ = pairs_;
   }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const std::lock_guard lock(slots_[i].mutex);

@@ -169,12 +169,13 @@ class Session {
   std::uint64_t next_incarnation_ = 1;
   std::deque<EditJob> waiting_edits_;
   bool editing_ = false;
-  std::deque<PairsJob> waiting_pairs_;  ///< for edits that came before them
+  std::deque<PairsJob> waiting_pairs_;
   struct RunningPairs {
     std::uint64_t request_id = 0;
     std::shared_ptr<JobGate> gate;
   };
-  std::vector<RunningPairs> running_pairs_;
+  std::optional<RunningPairs> running_pairs_;
+  bool hung_up_ = false;
   std::size_t jobs_ = 0;  ///< that run: culls, those of closed views too, and questions about pairs
   std::size_t unsent_ = 0;  ///< messages not yet reported sent
   // What the client was last told about the scene.

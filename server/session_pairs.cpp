@@ -20,35 +20,34 @@ void Session::handle(std::uint64_t id, protocol::Pairs& m) {
   startPairs();
 }
 
-/// All that wait, unless the client's own edits come first.
+/// The next that waits, unless the client's own edits come first. One at a time: a client holds one
+/// worker with them.
 void Session::startPairs() {
-  if (editing_ || closed_) return;
-  const SceneVersionPtr scene = scene_->current();
-  if (!waiting_pairs_.empty() && scene->epoch() != told_epoch_) noticeScene();
-  for (PairsJob& job : waiting_pairs_) {
-    job.scene = scene;
-    running_pairs_.push_back({job.request_id, job.gate});
-    ++jobs_;
-    actions_.emplace_back(StartPairs{std::move(job)});
-  }
-  waiting_pairs_.clear();
+  if (editing_ || closed_ || running_pairs_ || waiting_pairs_.empty()) return;
+  PairsJob job = std::move(waiting_pairs_.front());
+  waiting_pairs_.pop_front();
+  job.scene = scene_->current();
+  if (job.scene->epoch() != told_epoch_) noticeScene();
+  running_pairs_ = RunningPairs{job.request_id, job.gate};
+  ++jobs_;
+  actions_.emplace_back(StartPairs{std::move(job)});
 }
 
 Actions Session::paired(PairsOutcome outcome) {
   --jobs_;
-  std::erase_if(running_pairs_, [&outcome](const RunningPairs& running) {
-    return running.gate == outcome.job.gate;
-  });
-  if (closed_ || outcome.message.empty()) return take();  // dropped, and replied to
-  if (outcome.job.scene->epoch() != told_epoch_) {
+  running_pairs_.reset();
+  if (closed_ || hung_up_) return take();
+  if (outcome.message.empty()) {
+    // Dropped, and replied to.
+  } else if (outcome.job.scene->epoch() != told_epoch_) {
     // The scene was replaced meanwhile: it is asked again of the new one.
     outcome.job.gate = std::make_shared<JobGate>();
-    waiting_pairs_.push_back(std::move(outcome.job));
-    startPairs();
+    waiting_pairs_.push_front(std::move(outcome.job));
   } else {
     ++unsent_;
     actions_.emplace_back(Send{std::move(outcome.message), {}, outcome.error});
   }
+  startPairs();
   return take();
 }
 
@@ -56,8 +55,8 @@ void Session::cancelPairs(std::uint64_t request_id) {
   std::size_t cancelled = std::erase_if(
       waiting_pairs_, [&](const PairsJob& job) { return job.request_id == request_id; });
   // One that has begun is not interrupted: its answer comes.
-  for (const RunningPairs& running : running_pairs_) {
-    if (running.request_id == request_id && running.gate->drop()) ++cancelled;
+  if (running_pairs_ && running_pairs_->request_id == request_id && running_pairs_->gate->drop()) {
+    ++cancelled;
   }
   for (; cancelled > 0; --cancelled) {
     fail(request_id, WireCode::kCancelled, "pairs: cancelled before the cull began");

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "protocol/text.h"
+
 namespace culld::client {
 namespace {
 
@@ -24,7 +26,16 @@ class PlaceReader {
   std::string wrong;
 
   Place read() {
-    if (!place_.is_object()) wrong = "not an object";
+    if (!place_.is_object()) {
+      wrong = "not an object";
+      return {};
+    }
+    for (const auto& [key, value] : place_.items()) {
+      // A misspelt radius would be none, and the answer worth less than it seems.
+      if (key != "at" && key != "min" && key != "max" && key != "radius") {
+        wrong = "\"" + protocol::oneLine(key) + "\" is not known; there are at, min, max, radius";
+      }
+    }
     if (!wrong.empty()) return {};
     Place place;
     const bool point = place_.contains("at");

@@ -2,15 +2,30 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "client/sdk/connection_impl.h"
+#include "protocol/limits.h"
 
 namespace culld::client {
 namespace {
 
 Error unexpectedReply(const std::string& name) {
   return {ErrorCode::kUnavailable, name + ": unexpected reply"};
+}
+
+/// A message that is too large would end the connection.
+std::optional<Error> tooManyPairs(std::size_t viewers, std::size_t targets) {
+  constexpr std::size_t kMostPlaces = (protocol::kMaxRequestBytes - 256) / (7 * sizeof(double));
+  if (viewers > kMostPlaces || targets > kMostPlaces || viewers + targets > kMostPlaces) {
+    return Error{ErrorCode::kLimit,
+                 "pairs: more than " + std::to_string(kMostPlaces) + " viewers and targets"};
+  }
+  if (viewers * targets <= protocol::kMaxPairs) return std::nullopt;
+  return Error{ErrorCode::kLimit, "pairs: " + std::to_string(viewers) + " viewers x " +
+                                      std::to_string(targets) + " targets > " +
+                                      std::to_string(protocol::kMaxPairs)};
 }
 
 /// A callback that fills a future, and the future.
@@ -96,12 +111,17 @@ Result<EditOutcome> Connection::edit(std::vector<EditItem> edits, std::uint64_t 
 void Connection::pairs(std::vector<Place> viewers, std::vector<Place> targets,
                        std::chrono::microseconds time, OnPairs callback) {
   const auto us = std::clamp<std::int64_t>(time.count(), 0, 0xFFFFFFFF);
+  const std::size_t asked_viewers = viewers.size(), asked_targets = targets.size();
+  if (const auto many = tooManyPairs(asked_viewers, asked_targets)) return callback(*many);
   impl_->request(
       protocol::Pairs{std::move(viewers), std::move(targets), static_cast<std::uint32_t>(us)},
-      [name = impl_->name, callback = std::move(callback)](const Impl::Reply& reply) {
+      [name = impl_->name, asked_viewers, asked_targets,
+       callback = std::move(callback)](const Impl::Reply& reply) {
         if (!reply) return callback(reply.error());
         const auto* answer = std::get_if<protocol::PairsAnswer>(&reply.value());
-        if (answer == nullptr) return callback(unexpectedReply(name));
+        const bool fits = answer != nullptr && answer->viewers == asked_viewers &&
+                          answer->targets == asked_targets;
+        if (!fits) return callback(unexpectedReply(name));
         callback(PairsOutcome{answer->scene_version, answer->viewers, answer->targets,
                               answer->may_see, answer->out_of_budget,
                               std::chrono::nanoseconds(answer->cull_ns),

@@ -19,11 +19,14 @@ double largestOf(const glm::dvec3& p) {
   return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
 }
 
+/// Below it products may be subnormal, and their roundings no share of them.
+constexpr double kTiny = 1e-290;
+
 /// 0 where rounding could decide.
 int sideOfMap(const std::array<double, 12>& m) {
   const glm::dvec3 x(m[0], m[1], m[2]), y(m[4], m[5], m[6]), z(m[8], m[9], m[10]);
   const double determinant = glm::dot(x, glm::cross(y, z));
-  const double doubt = 0x1p-46 * largestOf(x) * largestOf(y) * largestOf(z);
+  const double doubt = std::max(kTiny, 0x1p-46 * largestOf(x) * largestOf(y) * largestOf(z));
   if (!(std::abs(determinant) > doubt)) return 0;
   return determinant > 0.0 ? 1 : -1;
 }
@@ -46,7 +49,7 @@ WorldPiece placed(const ConvexPiece& piece, const Instance& instance) {
     world.vertices.push_back(p);
   }
   world.rounding_m = 0x1p-50 * terms;
-  world.usable = side != 0 && terms < 1e150;  // products of two stay finite
+  world.usable = side != 0 && terms < kFarthestPlace;
   return world;
 }
 
@@ -67,7 +70,7 @@ Volume volumeOf(const std::array<glm::dvec3, 3>& corner, const glm::dvec3& point
   const glm::dvec3 a = corner[1] - corner[0], b = corner[2] - corner[0], p = point - corner[0];
   const double side = std::max(largestOf(a), largestOf(b)), reach = largestOf(p);
   return {glm::dot(glm::cross(a, b), p),
-          side * (0x1p-46 * side * reach + 32.0 * rounding_m * (reach + side))};
+          std::max(kTiny, side * (0x1p-46 * side * reach + 32.0 * rounding_m * (reach + side)))};
 }
 
 Box boundsOf(const WorldPiece& world) {
@@ -82,7 +85,7 @@ bool hasEdge(const PieceEdge& edge, std::size_t face) {
 
 /// What a dot product with a vector of length 1 can be off at a point so far out.
 double dotDoubt(double largest, double distance) {
-  return 0x1p-49 * (3.0 * largest + std::abs(distance));
+  return std::max(kTiny, 0x1p-49 * (3.0 * largest + std::abs(distance)));
 }
 
 /// The plane of a face, moved to where none of the face's vertices is in it or behind it.
@@ -205,7 +208,7 @@ bool FaceBlocker::passes(const glm::dvec3& from, const glm::dvec3& to) const noe
   return std::all_of(rim_.begin(), rim_.end(), [&](const RimEdge& edge) {
     const glm::dvec3 a = edge.from - from, b = edge.to - from;
     const double reach = std::max(largestOf(a), largestOf(b));
-    const double doubt = length * reach * (0x1p-46 * reach + 32.0 * rounding_m_);
+    const double doubt = std::max(kTiny, length * reach * (0x1p-46 * reach + 32.0 * rounding_m_));
     return glm::dot(along, glm::cross(a, b)) < -doubt;
   });
 }

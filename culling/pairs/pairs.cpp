@@ -11,10 +11,11 @@
 namespace culld {
 namespace {
 
-constexpr double kFarthest = 1e100;
-constexpr std::size_t kMostFaces = 4096;   ///< of one mesh
-constexpr std::size_t kMostTried = 256;    ///< occluders per pair: what hides is mostly found soon
-constexpr std::size_t kPairsPerLook = 64;  ///< at the clock
+constexpr std::size_t kMostFaces = 4096;                   ///< of one mesh
+constexpr std::size_t kMostRanked = std::size_t{1} << 22;  ///< pieces, those of large objects first
+constexpr std::size_t kMostTried = 256;   ///< occluders per pair: what hides is mostly found soon
+constexpr std::size_t kMostNodes = 4096;  ///< of the tree per pair
+constexpr std::uint64_t kStepsPerLook = 4096;  ///< nodes and occluders between looks at the clock
 
 double surfaceOf(const Box& box) {
   const glm::dvec3 size = box.max - box.min;
@@ -38,11 +39,11 @@ Result<std::vector<PlaceCorners>> cornersOfAll(std::span<const Place> places, co
       return invalidInput(std::string(what) + " " + std::to_string(i) + ": " + why);
     };
     if (place.box.empty()) return wrong("an empty box");
-    if (!(place.radius_m >= 0.0 && place.radius_m <= kFarthest)) {
-      return wrong("the radius is not a number from 0 to 1e100 m");
+    if (!(place.radius_m >= 0.0 && place.radius_m < kFarthestPlace)) {
+      return wrong("the radius is not a number from 0 to 1e90 m");
     }
     out.push_back(culld::cornersOf(place));
-    if (!(out.back().largest <= 2.0 * kFarthest)) return wrong("farther out than 1e100 m");
+    if (!(out.back().largest < kFarthestPlace)) return wrong("farther out than 1e90 m");
   }
   return out;
 }
@@ -65,13 +66,51 @@ double rankOf(const ConvexPiece& piece, const Instance& instance) {
   return box.finite() ? surfaceOf(box) : -1.0;
 }
 
+/// The `most` largest stay.
+void keepLargest(std::vector<Candidate>& found, std::size_t most, std::uint64_t& left_out) {
+  if (found.size() <= most) return;
+  std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(most), found.end());
+  left_out += found.size() - most;
+  found.resize(most);
+}
+
+/// The largest pieces, at least as many as are kept; memory does not grow with the scene's pieces.
+std::vector<Candidate> candidatesIn(const SceneSnapshot& scene,
+                                    const std::vector<ConvexPieces>& pieces,
+                                    std::uint64_t& left_out) {
+  std::vector<std::pair<double, ObjectId>> objects;
+  for (std::size_t i = 0; i < scene.objectCount(); ++i) {
+    const Instance& instance = scene.instance(static_cast<ObjectId>(i));
+    if (!instance.active() || instance.always_kept || pieces[instance.mesh].size() == 0) continue;
+    if (!instance.bounds_world.finite()) continue;
+    objects.emplace_back(-surfaceOf(instance.bounds_world), static_cast<ObjectId>(i));
+  }
+  std::sort(objects.begin(), objects.end());
+  constexpr std::size_t kMost = PairsCuller::kMostBlockers;
+  std::size_t ranked = 0;
+  std::vector<Candidate> found;
+  for (const auto& [minus_surface, object] : objects) {
+    const Instance& instance = scene.instance(object);
+    const ConvexPieces& of_mesh = pieces[instance.mesh];
+    const std::size_t taken = std::min(of_mesh.size(), kMostRanked - ranked);
+    ranked += taken;
+    left_out += of_mesh.size() - taken;
+    for (std::uint32_t p = 0; p < taken; ++p) {
+      found.push_back({-rankOf(of_mesh[p], instance), object, p});
+    }
+    if (found.size() > 8 * kMost) keepLargest(found, kMost, left_out);
+  }
+  keepLargest(found, kMost, left_out);
+  return found;
+}
+
 }  // namespace
 
 struct PairsCuller::Blockers {
   std::vector<SolidBlocker> solids;
   std::vector<FaceBlocker> faces;
   SegmentTree tree;  ///< over both, solids first
-  std::size_t left_out = 0;
+  std::uint64_t left_out = 0;
 
   bool hides(std::uint32_t index, const PlaceCorners& viewer, const PlaceCorners& target) const {
     return index < solids.size() ? solids[index].hides(viewer, target)
@@ -106,23 +145,14 @@ std::unique_ptr<const PairsCuller> PairsCuller::edited(const SceneSnapshot& next
 
 PairsCuller::PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces)
     : pieces_(std::move(pieces)) {
-  std::vector<Candidate> found;
-  for (std::size_t i = 0; i < scene.objectCount(); ++i) {
-    const auto object = static_cast<ObjectId>(i);
-    const Instance& instance = scene.instance(object);
-    if (!instance.active() || instance.always_kept) continue;
-    const ConvexPieces& of_mesh = (*pieces_)[instance.mesh];
-    for (std::uint32_t p = 0; p < of_mesh.size(); ++p) {
-      found.push_back({-rankOf(of_mesh[p], instance), object, p});
-    }
-  }
   auto blockers = std::make_unique<Blockers>();
-  if (found.size() > kMostBlockers) {
-    std::nth_element(found.begin(), found.begin() + kMostBlockers, found.end());
-    blockers->left_out = found.size() - kMostBlockers;
-    found.resize(kMostBlockers);
-  }
+  std::vector<Candidate> found = candidatesIn(scene, *pieces_, blockers->left_out);
+  std::sort(found.begin(), found.end());
   for (const Candidate& candidate : found) {
+    if (blockers->solids.size() + blockers->faces.size() >= kMostBlockers) {
+      ++blockers->left_out;
+      continue;
+    }
     const Instance& instance = scene.instance(candidate.object);
     blockers->add((*pieces_)[instance.mesh][candidate.piece], instance);
   }
@@ -135,7 +165,7 @@ PairsCuller::~PairsCuller() = default;
 std::size_t PairsCuller::blockers() const noexcept {
   return blockers_->solids.size() + blockers_->faces.size();
 }
-std::size_t PairsCuller::leftOut() const noexcept { return blockers_->left_out; }
+std::uint64_t PairsCuller::leftOut() const noexcept { return blockers_->left_out; }
 
 std::size_t PairsCuller::bytes() const noexcept {
   std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes();
@@ -162,26 +192,30 @@ Result<PairsAnswer> PairsCuller::cull(std::span<const Place> viewers,
   // What hid a target from the viewer before often hides it from this one.
   constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   std::vector<std::uint32_t> hid(targets.size(), kNone);
+  std::uint64_t next_look = 0;
   for (std::size_t pair = 0; pair < pairs; ++pair) {
-    if (pair % kPairsPerLook == 0 && deadline.passed()) {
-      answer.out_of_budget = true;
-      break;
+    const std::uint64_t steps = pair + answer.nodes_visited + answer.tested;
+    if (steps >= next_look) {
+      answer.out_of_budget = deadline.passed();
+      if (answer.out_of_budget) break;
+      next_look = steps + kStepsPerLook;
     }
     const std::size_t t = pair % targets.size();
     const PlaceCorners& viewer = from.value()[pair / targets.size()];
     const PlaceCorners& target = to.value()[t];
-    std::size_t tried = 0;
-    const auto hides = [&](std::uint32_t index) {
-      ++tried;
-      if (!blockers_->hides(index, viewer, target)) return false;
-      hid[t] = index;
-      return true;
+    const std::uint64_t most_tested = answer.tested + kMostTried;
+    const std::uint64_t most_nodes = answer.nodes_visited + kMostNodes;
+    bool hidden = false;
+    // True ends the walk: it is hidden, or not worth more work.
+    const auto ends = [&](std::uint32_t index) {
+      ++answer.tested;
+      hidden = blockers_->hides(index, viewer, target);
+      if (hidden) hid[t] = index;
+      return hidden || answer.tested >= most_tested;
     };
-    const bool hidden =
-        (hid[t] != kNone && hides(hid[t])) ||
-        blockers_->tree.any(viewer.centre, target.centre, answer.nodes_visited,
-                            [&](std::uint32_t i) { return tried < kMostTried && hides(i); });
-    answer.tested += tried;
+    if (hid[t] == kNone || !ends(hid[t])) {
+      blockers_->tree.any(viewer.centre, target.centre, most_nodes, answer.nodes_visited, ends);
+    }
     if (!hidden) continue;
     ++answer.hidden;
     answer.may_see[pair / 8] &= static_cast<std::uint8_t>(~(1U << pair % 8));

@@ -31,7 +31,7 @@ struct PairsAnswer {
 /// A snapshot's occluders, ready for questions about pairs. Immutable. THREADS: any.
 class PairsCuller {
  public:
-  /// The largest so many of a scene's occluders are kept, by the surface of their boxes.
+  /// About so many of a scene's occluders are kept, the largest by the surface of their boxes.
   static constexpr std::size_t kMostBlockers = std::size_t{1} << 14;
 
   /// Of meshes made of convex parts alone, these parts; of others the largest flat faces. COST:
@@ -42,13 +42,13 @@ class PairsCuller {
   std::unique_ptr<const PairsCuller> edited(const SceneSnapshot& next) const;
 
   /// `time`: 0 for no limit. ERROR: kInvalidInput: a place that is empty, not finite or farther out
-  /// than 1e100 m, or a radius that is no number from 0 to 1e100; names it.
+  /// than kFarthestPlace, or a radius that is no number from 0 to that; names it.
   Result<PairsAnswer> cull(std::span<const Place> viewers, std::span<const Place> targets,
                            std::chrono::nanoseconds time = {},
                            const Clock& clock = steadyClock()) const;
 
   std::size_t blockers() const noexcept;
-  std::size_t leftOut() const noexcept;  ///< occluders beyond kMostBlockers
+  std::uint64_t leftOut() const noexcept;  ///< parts and faces beyond it
   std::size_t bytes() const noexcept;
 
  private:

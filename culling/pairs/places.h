@@ -8,6 +8,10 @@
 
 namespace culld {
 
+/// Coordinates and radii are below this: products of three of them and their differences are
+/// finite.
+inline constexpr double kFarthestPlace = 1e90;
+
 /// Somewhere in `box`, and from there up to `radius_m` away.
 struct Place {
   Box box;                ///< world space, metres; min == max for a point

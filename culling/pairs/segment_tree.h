@@ -17,10 +17,12 @@ class SegmentTree {
   /// REQUIRES: fewer than 2^31 boxes. COST: O(n log^2 n).
   explicit SegmentTree(std::span<const Box> boxes);
 
-  /// Calls visit(index) for boxes that the segment may meet, until it returns true. Rounding may
-  /// lose boxes that are only touched. Returns whether a visit did; counts nodes.
+  /// Calls visit(index) for boxes that the segment may meet, until it returns true or `nodes`,
+  /// which counts those that were looked at, comes to `most_nodes`. Rounding may lose boxes that
+  /// are only touched.
   template <typename Visit>
-  bool any(const glm::dvec3& from, const glm::dvec3& to, std::uint64_t& nodes, Visit visit) const;
+  void any(const glm::dvec3& from, const glm::dvec3& to, std::uint64_t most_nodes,
+           std::uint64_t& nodes, Visit visit) const;
 
   std::size_t bytes() const noexcept {
     return nodes_.capacity() * sizeof(Node) + order_.capacity() * sizeof(std::uint32_t);
@@ -43,25 +45,24 @@ class SegmentTree {
 };
 
 template <typename Visit>
-bool SegmentTree::any(const glm::dvec3& from, const glm::dvec3& to, std::uint64_t& nodes,
-                      Visit visit) const {
-  if (nodes_.empty()) return false;
+void SegmentTree::any(const glm::dvec3& from, const glm::dvec3& to, std::uint64_t most_nodes,
+                      std::uint64_t& nodes, Visit visit) const {
+  if (nodes_.empty()) return;
   const Segment segment{from, 1.0 / (to - from)};
   std::uint32_t waiting[192];  // an eighth at least: no tree of 2^31 boxes is deeper
   std::size_t count = 0;
   waiting[count++] = 0;
-  while (count > 0) {
+  while (count > 0 && nodes < most_nodes) {
     const Node& node = nodes_[waiting[--count]];
     ++nodes;
     if (!meets(segment, node.box)) continue;
     for (std::uint32_t i = 0; i < node.count; ++i) {
-      if (visit(order_[node.first + i])) return true;
+      if (visit(order_[node.first + i])) return;
     }
     if (node.count != 0) continue;
     waiting[count++] = node.first;
     waiting[count++] = node.first + 1;
   }
-  return false;
 }
 
 }  // namespace culld

@@ -216,7 +216,7 @@ TEST(CApi, AsksAboutPairs) {
   culld_error error;
   EXPECT_EQ(culld_pairs(client.connection, viewers, 2, targets, 5, 0, may_see, nullptr, &error),
             CULLD_UNAVAILABLE);
-  EXPECT_STREQ(error.message, "pairs: the answer is to another question");
+  EXPECT_NE(std::string(error.message).find("unexpected reply"), std::string::npos);
   EXPECT_EQ(culld_pairs(client.connection, nullptr, 2, targets, 5, 0, may_see, nullptr, &error),
             CULLD_INVALID_INPUT);
   EXPECT_EQ(culld_pairs(client.connection, viewers, 2, targets, 5, 0, nullptr, nullptr, &error),

@@ -91,7 +91,8 @@ TEST(SolidBlocker, IsNotMadeOfWhatIsOpenOrFlat) {
   EXPECT_TRUE(of(scenes::scaledAndMoved({1, 1, 1e-6}, {})));
   EXPECT_FALSE(of(scenes::scaledAndMoved({1, 1, 0}, {})));
   EXPECT_FALSE(of(scenes::scaledAndMoved({1, 1, 1e-12}, {1e6, 1e6, 1e6}))) << "lost in rounding";
-  EXPECT_FALSE(of(scenes::scaledAndMoved(glm::dvec3(1e200), {})));
+  EXPECT_FALSE(of(scenes::scaledAndMoved(glm::dvec3(1e100), {}))) << "products would overflow";
+  EXPECT_FALSE(of(scenes::scaledAndMoved(glm::dvec3(1e-100), {}))) << "or be subnormal";
 }
 
 TEST(FaceBlocker, HidesFromItsFrontOnly) {

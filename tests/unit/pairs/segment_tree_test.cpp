@@ -18,10 +18,10 @@ std::set<std::uint32_t> metBy(const SegmentTree& tree, const glm::dvec3& from,
                               const glm::dvec3& to) {
   std::set<std::uint32_t> met;
   std::uint64_t nodes = 0;
-  EXPECT_FALSE(tree.any(from, to, nodes, [&](std::uint32_t i) {
+  tree.any(from, to, 1'000'000, nodes, [&](std::uint32_t i) {
     EXPECT_TRUE(met.insert(i).second) << "twice";
     return false;
-  }));
+  });
   return met;
 }
 
@@ -52,11 +52,14 @@ TEST(SegmentTree, LooksAtFewNodesAndStopsWhenTold) {
     boxes.push_back({at, at + 0.5});
   }
   const SegmentTree tree(boxes);
+  const glm::dvec3 from(0, 0.2, 0.2), to(64, 0.2, 0.2);
   std::uint64_t nodes = 0, visits = 0;
-  EXPECT_TRUE(
-      tree.any({0, 0.2, 0.2}, {64, 0.2, 0.2}, nodes, [&](std::uint32_t) { return ++visits == 3; }));
+  tree.any(from, to, 1000, nodes, [&](std::uint32_t) { return ++visits == 3; });
   EXPECT_EQ(visits, 3U);
   EXPECT_LT(nodes, 200U);
+  nodes = 0;
+  tree.any(from, to, 20, nodes, [](std::uint32_t) { return false; });
+  EXPECT_EQ(nodes, 20U);
 }
 
 TEST(SegmentTree, OfNothingFindsNothing) {

@@ -22,7 +22,11 @@ class SessionPairs : public SessionTest {
     say(wire::Edit{0, {{wire::EditKind::kHide, object, {}}}}, id);
   }
   void settlePairs() {
-    runPairs();
+    while (!pairs.empty()) {
+      EXPECT_EQ(pairs.size(), 1U) << "one at a time";
+      runPairs();
+      flush();
+    }
     flush();
   }
 };
@@ -58,10 +62,23 @@ TEST_F(SessionPairs, AreAskedAgainOfASceneThatTookTheOldOnesPlace) {
   ask(40);
   scene->replace(scenes::rowOfObjects(1));
   absorb(session.sceneMoved());
-  settlePairs();
+  runPairs();
   EXPECT_EQ(count<wire::PairsAnswer>(), 0U);
   settlePairs();
   EXPECT_EQ(last<wire::PairsAnswer>().may_see, std::vector<std::uint8_t>{3});
+  EXPECT_TRUE(session.drained());
+}
+
+TEST_F(SessionPairs, AreNotAskedAgainForThoseWhoHungUp) {
+  ask(40);
+  PairsOutcome outcome = server::runPairs(std::move(pairs.at(0)), clock);
+  pairs.clear();
+  scene->replace(scenes::rowOfObjects(1));
+  absorb(session.sceneMoved());
+  flush();
+  session.hangUp();
+  absorb(session.paired(std::move(outcome)));
+  EXPECT_TRUE(pairs.empty());
   EXPECT_TRUE(session.drained());
 }
 
@@ -74,7 +91,7 @@ TEST_F(SessionPairs, NameThePlaceThatIsNone) {
 
 TEST_F(SessionPairs, CountAsRequestsInFlight) {
   for (std::uint64_t i = 0; i < limits.max_requests_in_flight; ++i) ask(40 + i);
-  EXPECT_EQ(pairs.size(), limits.max_requests_in_flight);
+  EXPECT_EQ(pairs.size(), 1U);
   EXPECT_TRUE(inbox.empty());
   ask(90);
   expectError(wire::WireCode::kLimitExceeded, "pairs: more than 5 requests in flight");
