@@ -16,10 +16,17 @@ namespace {
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
 constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
 constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertices are transformed
+constexpr std::uint32_t kMostTilings = 4;        ///< of one object, as more of it is passed
 constexpr std::uint32_t kStepsPerLook = 16;      ///< between two looks at the clock
 
 // Nanoseconds of counted work, measured.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kMaskNs = 6;
+
+/// 0 where the ends are the wrong way around.
+std::uint64_t cellsIn(const CellRect& r) {
+  if (r.x1 < r.x0 || r.y1 < r.y0) return 0;
+  return std::uint64_t{r.x1 - r.x0 + 1} * (r.y1 - r.y0 + 1);
+}
 
 bool worthTiling(const CellRect& r, const OccluderMesh& mesh) {
   const std::uint64_t columns = r.x1 - r.x0 + 1, rows = r.y1 - r.y0 + 1;
@@ -120,6 +127,7 @@ void PolygonTilingWalk::beginFrame() {
   const std::size_t objects = scene_.snapshot().objectCount();
   if (memory_.kept_in.size() < objects) memory_.kept_in.resize(objects, 0);
   memory_.coverage.reset(view_.grid);
+  memory_.tilings.clear();
 }
 
 std::chrono::nanoseconds PolygonTilingWalk::work() const {
@@ -242,6 +250,18 @@ void PolygonTilingWalk::takeGroup(const BspTree& tree, const BspNode& group, Pla
   }
 }
 
+/// What is no farther behind a surface than this is level with it (docs/oracle.md), and may lie
+/// just across a plane: the object counts as reaching there.
+Box PolygonTilingWalk::withTies(Box box) const {
+  constexpr double kTie = 0x1p-36;  // of the distance
+  double distance = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    distance = std::max({distance, std::abs(box.min[axis] - eye_world_[axis]),
+                         std::abs(box.max[axis] - eye_world_[axis])});
+  }
+  return {box.min - kTie * distance, box.max + kTie * distance};
+}
+
 /// All of `region` is behind the walk: what was met there is tiled as far as it lies there, and
 /// taken out if that is all of it. Only what `cut`, the node's plane, divides shows more of itself
 /// than it did before.
@@ -249,7 +269,7 @@ void PolygonTilingWalk::tileAfterRegion(const Box& region, const BspNode& cut, I
   makeUnique(met);
   std::size_t left = 0;
   for (const ObjectId id : met) {
-    const Box& bounds = scene_.snapshot().instance(id).bounds_world;
+    const Box bounds = withTies(scene_.snapshot().instance(id).bounds_world);
     std::array<Box, 6> outside;
     const std::size_t count = partsOutside(bounds, region, outside);
     const bool group = cut.axis == BspNode::kGroup;
@@ -267,7 +287,7 @@ void PolygonTilingWalk::tileAfterOctant(const Box& region, const glm::dvec3& cen
   makeUnique(met);
   std::size_t left = 0;
   for (const ObjectId id : met) {
-    const Box& bounds = scene_.snapshot().instance(id).bounds_world;
+    const Box bounds = withTies(scene_.snapshot().instance(id).bounds_world);
     std::array<Box, 6> outside;
     std::array<Box, 14> to_come;
     std::size_t count = partsOutside(bounds, region, outside);
@@ -288,6 +308,8 @@ void PolygonTilingWalk::tileAfterOctant(const Box& region, const glm::dvec3& cen
 /// may be a part which is still to come.
 void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
   if (stopped_) return;
+  const auto tilings = memory_.tilings.try_emplace(id, 0U).first;
+  if (tilings->second == kMostTilings) return;
   const Instance& instance = scene_.snapshot().instance(id);
   CellRect rect{};
   float nearest = 0.0F;
@@ -295,6 +317,7 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
   if (!worthTiling(rect, occluders_.mesh(instance.mesh))) return;
   if (memory_.coverage.covers(rect, levels_)) return;
   memory_.except.clear();
+  std::uint64_t left_out = 0;
   for (const Box& box : to_come) {
     CellRect cells{};
     float unused = 0.0F;
@@ -303,7 +326,13 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
         cells.x0 <= rect.x0 && cells.x1 >= rect.x1 && cells.y0 <= rect.y0 && cells.y1 >= rect.y1;
     if (all) return;
     memory_.except.push_back(cells);
+    left_out =
+        std::max(left_out, cellsIn({std::max(cells.x0, rect.x0), std::min(cells.x1, rect.x1),
+                                    std::max(cells.y0, rect.y0), std::min(cells.y1, rect.y1)}));
   }
+  // The first time for a quarter of its cells, the last for all.
+  if (kMostTilings * left_out > (kMostTilings - 1 - tilings->second) * cellsIn(rect)) return;
+  ++tilings->second;
   ++stats_.occluders_drawn;
   std::uint64_t left_ns = OccluderDrawing::kNoLimit;
   if (most_work_.count() != 0)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "culling/culler.h"
@@ -39,7 +40,8 @@ struct PolygonTilingMemory final : ViewState::Memory {
   CoveragePyramid coverage;
   OccluderScratch occluder;
   std::vector<CellRect> except;
-  std::vector<std::uint32_t> kept_in;  ///< by object: the frame in which it was
+  std::unordered_map<ObjectId, std::uint32_t> tilings;  ///< by occluder, in this frame
+  std::vector<std::uint32_t> kept_in;                   ///< by object: the frame in which it was
   std::uint32_t frame = 0;
 };
 
@@ -66,6 +68,7 @@ class PolygonTilingWalk {
                        std::uint32_t passed, Ids& met);
   void tileAfterRegion(const Box& region, const BspNode& cut, Ids& met);
   void tile(ObjectId id, std::span<const Box> to_come);
+  Box withTies(Box box) const;
   bool cellsOf(const Box& box, CellRect& rect, float& nearest) const;
   bool covered(const CellRect& rect, float nearest);
   void keep(ObjectId id);

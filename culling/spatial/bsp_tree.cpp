@@ -108,7 +108,7 @@ class BspBuilder {
 BspTree BspTree::of(std::span<const BspPart> parts, bool split) {
   BspTree tree;
   if (parts.empty()) return tree;
-  BspBuilder(tree, 2 * parts.size()).add({parts.begin(), parts.end()}, split);
+  BspBuilder(tree, parts.size() / 2).add({parts.begin(), parts.end()}, split);
   tree.nodes_.shrink_to_fit();
   tree.lanes_.shrink_to_fit();
   return tree;
