@@ -58,6 +58,55 @@ TEST(RandomScenes, NoMethodLacksAnObjectThatTheOracleSees) {
   EXPECT_LT(tally.raster, tally.frustum);      // and something is hidden in them
 }
 
+/// Each method with each of its settings at either end: what a part is left out of must be right
+/// too, and hierarchies are deep only at settings that these small scenes do not have by default.
+std::vector<PreparedMethod> prepareExtremes(ConfiguredMethods& methods, const SnapshotPtr& scene) {
+  std::vector<PreparedMethod> out;
+  for (const Method* method : allMethods()) {
+    for (const Setting& setting : method->settings()) {
+      for (const double value : {setting.least, setting.most}) {
+        if (value == setting.standard) continue;
+        const std::string name = std::string(method->info().name) + ":" +
+                                 std::string(setting.name) + "=" + valueText(setting, value);
+        auto culler = methods.find(name).value()->prepare(scene);
+        EXPECT_TRUE(culler.ok()) << name;
+        if (culler.ok()) out.push_back({name, std::move(culler).value(), ViewState{}});
+      }
+    }
+  }
+  return out;
+}
+
+TEST(RandomScenes, NoMethodLacksAnObjectAtTheEndsOfItsSettings) {
+  ConfiguredMethods configured(allMethods());
+  std::size_t looks = 0;
+  for (std::uint64_t seed = 1001; seed <= 1000 + scenes::rounds(24); ++seed) {
+    scenes::RandomSceneOptions larger;
+    larger.objects = 300;
+    const SnapshotPtr scene = scenes::randomScene(seed, larger);
+    auto oracle = Oracle::build(scene);
+    ASSERT_TRUE(oracle.ok()) << oracle.error().message;
+    std::vector<PreparedMethod> methods = prepareExtremes(configured, scene);
+    EXPECT_GT(methods.size(), 20U);
+    for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, kCamerasPerScene)) {
+      const Camera camera = scenes::toCamera(spec).value();
+      OracleOptions options;
+      options.max_samples = 20'000;
+      const auto truth = oracle.value()->look(camera, options);
+      ASSERT_TRUE(truth.ok()) << truth.error().message;
+      for (PreparedMethod& method : methods) {
+        const Answer answer = method.culler->cull(camera, {}, method.view);
+        expectWellFormed(answer, *scene);
+        const auto lost = missing(truth.value().visible, answer.visible);
+        EXPECT_TRUE(lost.empty()) << method.name << ", seed " << seed << ", camera " << spec.what
+                                  << " lacks object " << lost.front();
+        ++looks;
+      }
+    }
+  }
+  EXPECT_GT(looks, 1000U);
+}
+
 TEST(RandomScenes, EveryTargetGivesTheSameAnswer) {
   for (std::uint64_t seed = 1; seed <= scenes::rounds(60); ++seed) {
     const SnapshotPtr scene = scenes::randomScene(seed);
