@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
 constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
 
-// Nanoseconds of counted work, measured (docs/methods/occlusion-map.md).
+// Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
 
 bool smallerFirst(const ImageItem& a, const ImageItem& b) { return a.area() < b.area(); }

@@ -19,7 +19,7 @@ constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertice
 constexpr std::uint32_t kMostTilings = 4;        ///< of one object, as more of it is passed
 constexpr std::uint32_t kStepsPerLook = 16;      ///< between two looks at the clock
 
-// Nanoseconds of counted work, measured.
+// Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kMaskNs = 6;
 
 /// 0 where the ends are the wrong way around.

@@ -24,7 +24,7 @@ constexpr std::uint64_t kStakeNs = 300;          ///< per object: asked in vain 
 
 constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
 
-// Nanoseconds of counted work, measured.
+// Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kComparisonNs = 8;
 
 std::uint64_t cellsOf(const CellRect& r) {
