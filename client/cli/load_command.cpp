@@ -91,7 +91,9 @@ int runLoad(const Server& server, const LoadArguments& arguments) {
   } else {
     printText(arguments, result);
   }
-  return result.wrong == 0 && result.failed == 0 && result.unanswered == 0 ? kFine : kFailed;
+  const bool whole = result.within + result.sent == result.due;
+  return whole && result.wrong == 0 && result.failed == 0 && result.unanswered == 0 ? kFine
+                                                                                    : kFailed;
 }
 
 }  // namespace culld::client

@@ -126,8 +126,7 @@ LoadResult LoadRun::run() {
   const auto begin = Clock::now() + std::chrono::milliseconds(50);
   const double count = static_cast<double>(slots_.size());
   // Evenly over the period, as clients that know nothing of each other.
-  std::uint64_t tick = 0;
-  for (; tick < ticks && anyConnected(); ++tick) {
+  for (std::uint64_t tick = 0; tick < ticks && anyConnected(); ++tick) {
     for (std::size_t s = 0; s < slots_.size(); ++s) {
       const double at = (static_cast<double>(tick) + static_cast<double>(s) / count) * period_ns;
       slots_[s].due = begin + std::chrono::nanoseconds(std::llround(at));
@@ -143,7 +142,7 @@ LoadResult LoadRun::run() {
   ending_ = true;
   slots_.clear();
   connections_.clear();  // from here on the counts stand
-  result.due = tick * static_cast<std::uint64_t>(count);
+  result.due = ticks * static_cast<std::uint64_t>(count);
   result.within = within_;
   result.sent = sent_;
   for (const auto& counts : counts_) {

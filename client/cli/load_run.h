@@ -20,7 +20,7 @@ namespace culld::client {
 struct LoadResult {
   std::uint64_t due = 0;     ///< times in the schedule, over all views
   std::uint64_t within = 0;  ///< of these: the last answer still held there, so none was sent
-  std::uint64_t sent = 0;
+  std::uint64_t sent = 0;    ///< with `within` less than `due` if every connection was lost
   std::uint64_t answered = 0;
   std::uint64_t superseded = 0;  ///< cameras whose answer was that to a newer one
   std::uint64_t late = 0;        ///< of the answered: later than allowed

@@ -35,11 +35,22 @@ struct Held {
   std::size_t heap_bytes = 0;
 };
 
-Held heldNow() {
+std::size_t descriptorsNow() {
   const std::filesystem::directory_iterator files("/proc/self/fd");
+  return static_cast<std::size_t>(std::distance(begin(files), end(files)));
+}
+
+/// Once no more than `descriptors` are open, or `patience` has passed: a connection that no longer
+/// counts may still have to close its socket.
+Held heldAtRest(std::size_t descriptors, std::chrono::milliseconds patience) {
+  const auto until = SteadyClock::now() + patience;
+  std::size_t least = descriptorsNow();
+  while (least > descriptors && SteadyClock::now() < until) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    least = std::min(least, descriptorsNow());
+  }
   const struct mallinfo2 heap = ::mallinfo2();
-  return {static_cast<std::size_t>(std::distance(begin(files), end(files))),
-          heap.uordblks + heap.hblkhd};
+  return {least, heap.uordblks + heap.hblkhd};
 }
 
 std::string bytesOf(const scenes::Model& model) {
@@ -189,8 +200,8 @@ TEST_F(Soak, HoldsAfterALapWhatItHeldBefore) {
     for (const std::string& fault : diary.faults)
       ADD_FAILURE() << "lap " << number << ": " << fault;
     answers += diary.round_trips_ms.size();
-    after = heldNow();
-    if (number + 1 == kWarmUp) before = after;
+    if (number + 1 == kWarmUp) before = heldAtRest(0, std::chrono::milliseconds(300));
+    after = heldAtRest(before.descriptors, std::chrono::seconds(number < kWarmUp ? 0 : 5));
     if ((number & (number - 1)) == 0) {
       std::printf("lap %3llu: p50 %.2f ms, p99 %.2f ms, %zu descriptors, %.2f MB of heap\n",
                   static_cast<unsigned long long>(number), percentile(diary.round_trips_ms, 0.5),

@@ -115,10 +115,15 @@ expect 2 'cullctl: --rate: Value 0 not in range 0.001000 to 1000000.000000' ctl 
 ctl watch rows --json --count 3 >"$work/watch.txt" &
 watcher=$!
 await_lines "$work/watch.txt" . 1
-sessions=$(grep -c 'session opened.*scene=city' "$work/culld.log")
+city_answers() { curl -sS --max-time 20 "http://127.0.0.1:$port/metrics" | awk '/^culld_answers_total.*scene="city"/ { n += $NF } END { print n + 0 }'; }
+before=$(city_answers)
 ctl load city --clients 2 --seconds 30 >"$work/load.txt" 2>&1 &
 loader=$!
-await_lines "$work/culld.log" 'session opened.*scene=city' $((sessions + 2))
+for _ in $(seq 600); do
+  if [ "$(city_answers)" -gt "$before" ]; then break; fi
+  sleep 0.05
+done
+[ "$(city_answers)" -gt "$before" ] || die "load is not answered"
 kill -KILL "$daemon"
 wait "$daemon" 2>/dev/null || true
 got=0

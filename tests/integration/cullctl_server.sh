@@ -14,6 +14,7 @@ stop_server() {
 }
 clean_up() {
   stop_server
+  jobs -p | xargs -r kill -KILL 2>/dev/null || true  # what waits for a server that is gone holds up ctest
   rm -rf "$work"
 }
 trap clean_up EXIT

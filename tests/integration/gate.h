@@ -15,7 +15,7 @@ class Gate {
     std::unique_lock lock(mutex_);
     ++waiting_;
     changed_.notify_all();
-    changed_.wait_for(lock, std::chrono::seconds(10), [this] { return open_; });
+    EXPECT_TRUE(changed_.wait_for(lock, std::chrono::seconds(10), [this] { return open_; }));
   }
   void awaitArrival() {
     std::unique_lock lock(mutex_);
