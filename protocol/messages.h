@@ -250,7 +250,7 @@ struct Place {
 /// Which viewers may see which targets?
 struct Pairs {
   std::vector<Place> viewers, targets;
-  std::uint32_t time_us = 0;  ///< 0: no limit; past it what is not proven hidden is kept
+  std::uint32_t time_us = 0;  ///< past it what is not proven hidden is kept; 0: the server's own
   bool operator==(const Pairs&) const = default;
 };
 

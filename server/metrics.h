@@ -50,7 +50,7 @@ class Metrics {
   void superseded(std::size_t cameras);
   void refused(protocol::WireCode code);  ///< an error message was sent
   void edited();
-  /// A question about so many pairs was answered.
+  /// A question about so many pairs was worked off.
   void paired(std::size_t pairs, std::size_t hidden, std::chrono::nanoseconds took);
   void authFailed(const char* reason);     ///< a client was turned away
   void quotaRejected(const char* reason);  ///< a tenant had used up its share

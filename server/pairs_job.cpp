@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "protocol/codec.h"
+#include "protocol/limits.h"
 #include "protocol/text.h"
 #include "server/translate.h"
 
@@ -13,12 +14,10 @@ namespace {
 
 using protocol::WireCode;
 
-/// More is not spent on one question, whatever it allows: a worker that has begun does not stop.
-constexpr std::chrono::nanoseconds kMostTime = std::chrono::seconds(2);
-
+/// More than the most is not spent on one question: a worker that has begun does not stop.
 std::chrono::nanoseconds timeOf(const protocol::Pairs& pairs) {
-  const std::chrono::nanoseconds asked = std::chrono::microseconds(pairs.time_us);
-  return asked.count() == 0 ? kMostTime : std::min(asked, kMostTime);
+  const std::uint32_t asked = pairs.time_us == 0 ? protocol::kMaxPairsTimeUs : pairs.time_us;
+  return std::chrono::microseconds(std::min(asked, protocol::kMaxPairsTimeUs));
 }
 
 void refuse(PairsOutcome& outcome, WireCode code, const std::string& what) {
@@ -37,6 +36,7 @@ void answerInto(PairsOutcome& outcome, const Clock& clock) {
   PairsAnswer& made = answer.value();
   outcome.pairs = job.pairs.viewers.size() * job.pairs.targets.size();
   outcome.hidden = made.hidden;
+  outcome.took = made.time;
   protocol::PairsAnswer out;
   out.scene_version = job.scene->snapshot()->version();
   out.viewers = static_cast<std::uint32_t>(job.pairs.viewers.size());
@@ -51,7 +51,6 @@ void answerInto(PairsOutcome& outcome, const Clock& clock) {
 }  // namespace
 
 PairsOutcome runPairs(PairsJob job, const Clock& clock) {
-  const auto started = clock.now();
   PairsOutcome outcome;
   outcome.job = std::move(job);
   if (!outcome.job.gate->begin()) return outcome;
@@ -60,7 +59,6 @@ PairsOutcome runPairs(PairsJob job, const Clock& clock) {
   } catch (const std::exception& failure) {
     refuse(outcome, WireCode::kInternal, failure.what());
   }
-  outcome.took = clock.now() - started;
   return outcome;
 }
 

@@ -24,7 +24,7 @@ struct PairsOutcome {
   std::vector<std::uint8_t> message;  ///< encoded: a PairsAnswer or an Error; empty: it was dropped
   protocol::WireCode error = protocol::WireCode::kNone;  ///< the Error's
   std::size_t pairs = 0, hidden = 0;                     ///< answered, and of these
-  std::chrono::nanoseconds took{0};
+  std::chrono::nanoseconds took{0};                      ///< the cull, which is paid for
 };
 
 /// Never throws: what goes wrong becomes an Error message.

@@ -19,16 +19,13 @@ SceneVersion::SceneVersion(const SceneVersion& before, SnapshotPtr next)
       snapshot_(std::move(next)),
       epoch_(before.epoch_),
       profile_(before.profile_),  // a hint for choosing methods; edits hardly move it
-      slots_(before.slots_.size()) {}
+      slots_(before.slots_.size()),
+      pieces_(before.pieces_) {}
 
 Result<const Method*> SceneVersion::method(std::string_view name) const {
   const bool any = name.empty() || name == "auto";
-  const auto named = std::find_if(methods_.begin(), methods_.end(), [&](const Method* method) {
-    return method->info().name == (any ? "auto" : name);
-  });
-  const Method* method = named != methods_.end()    ? *named
-                         : any && !methods_.empty() ? methods_.front()
-                                                    : nullptr;
+  const Method* method = findMethod(methods_, any ? "auto" : name);
+  if (method == nullptr && any && !methods_.empty()) method = methods_.front();
   if (method != nullptr) {
     if (auto fits = method->accepts(profile_); !fits) return fits.error();
     return method;
@@ -60,19 +57,15 @@ std::shared_ptr<const Culler> SceneVersion::readyCuller(const Method& method) co
 
 std::shared_ptr<const PairsCuller> SceneVersion::pairs() const {
   const std::lock_guard lock(pairs_mutex_);
-  if (!pairs_are_ours_) {
-    pairs_ = pairs_ ? pairs_->edited(*snapshot_) : std::make_shared<const PairsCuller>(*snapshot_);
-    pairs_are_ours_ = true;
-  }
+  if (pairs_) return pairs_;
+  const std::lock_guard pieces_lock(pieces_->mutex);
+  if (!pieces_->pieces) pieces_->pieces = piecesOfMeshes(*snapshot_);
+  pairs_ = std::make_shared<const PairsCuller>(*snapshot_, pieces_->pieces);
   return pairs_;
 }
 
 SceneVersionPtr SceneVersion::edited(SnapshotPtr next, std::span<const ObjectId> changed) const {
   std::shared_ptr<SceneVersion> version(new SceneVersion(*this, std::move(next)));
-  {
-    const std::unique_lock lock(pairs_mutex_, std::try_to_lock);  // does not wait for preparing
-    if (lock) version->pairs_ = pairs_;
-  }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
     const std::lock_guard lock(slots_[i].mutex);
     if (!slots_[i].culler || !slots_[i].culler->ok()) continue;

@@ -60,10 +60,14 @@ class SceneVersion {
   std::uint64_t epoch_;
   SceneProfile profile_;
   mutable std::vector<Slot> slots_;  ///< one per method
+  /// Made once for all versions: no edit changes meshes.
+  struct SharedPieces {
+    std::mutex mutex;
+    std::shared_ptr<const MeshPieces> pieces;
+  };
+  std::shared_ptr<SharedPieces> pieces_ = std::make_shared<SharedPieces>();
   mutable std::mutex pairs_mutex_;
-  mutable std::shared_ptr<const PairsCuller>
-      pairs_;  ///< an earlier version's until it is asked for
-  mutable bool pairs_are_ours_ = false;
+  mutable std::shared_ptr<const PairsCuller> pairs_;
 };
 
 using SceneVersionPtr = std::shared_ptr<const SceneVersion>;

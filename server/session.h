@@ -60,7 +60,7 @@ using Actions = std::vector<Action>;
 /// GUARANTEES: at most one job and one unsent answer per view; a newer camera replaces a waiting
 /// one; the newest camera of a view is answered, or refused with a reason: a fault, its deadline,
 /// or that it was cancelled; edits of one client are applied in order and seen by its later
-/// cameras. THREADS: one at a time.
+/// cameras and questions about pairs, which are answered one at a time. THREADS: one at a time.
 class Session {
  public:
   Session(std::shared_ptr<Scene> scene, const SessionLimits& limits, std::string server_name,
@@ -175,7 +175,6 @@ class Session {
     std::shared_ptr<JobGate> gate;
   };
   std::optional<RunningPairs> running_pairs_;
-  bool hung_up_ = false;
   std::size_t jobs_ = 0;  ///< that run: culls, those of closed views too, and questions about pairs
   std::size_t unsent_ = 0;  ///< messages not yet reported sent
   // What the client was last told about the scene.

@@ -35,8 +35,7 @@ void Session::startPairs() {
 
 Actions Session::paired(PairsOutcome outcome) {
   --jobs_;
-  running_pairs_.reset();
-  if (closed_ || hung_up_) return take();
+  if (!std::exchange(running_pairs_, {}) || closed_) return take();  // or nobody is left
   if (outcome.message.empty()) {
     // Dropped, and replied to.
   } else if (outcome.job.scene->epoch() != told_epoch_) {

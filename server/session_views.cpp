@@ -35,9 +35,9 @@ std::optional<Time> Session::nextTick() const {
 
 void Session::hangUp() {
   for (auto& [number, view] : views_) giveUp(view);
-  hung_up_ = true;
   waiting_pairs_.clear();
   if (running_pairs_) running_pairs_->gate->drop();
+  running_pairs_.reset();
 }
 
 /// Those who asked for the view's answers have gone.

@@ -111,7 +111,7 @@ void addPairs(CLI::App& app, Arguments& a, Command& command) {
   pairs->add_option("NAME", a.pairs.scene, "scene on the server")->required();
   pairs->add_option("--viewers", a.pairs.viewers, "places file, a JSON list")->required();
   pairs->add_option("--targets", a.pairs.targets, "places file, a JSON list")->required();
-  pairs->add_option("--time-us", a.pairs.time_us, "time in microseconds; 0: no limit");
+  pairs->add_option("--time-us", a.pairs.time_us, "time in microseconds; 0: two seconds");
   pairs->add_flag("--json", a.pairs.json, "print JSON");
   pairs->callback([&] { command = [&](const Server& at) { return runPairs(at, a.pairs); }; });
 }

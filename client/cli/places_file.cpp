@@ -34,6 +34,7 @@ class PlaceReader {
       // A misspelt radius would be none, and the answer worth less than it seems.
       if (key != "at" && key != "min" && key != "max" && key != "radius") {
         wrong = "\"" + protocol::oneLine(key) + "\" is not known; there are at, min, max, radius";
+        break;
       }
     }
     if (!wrong.empty()) return {};

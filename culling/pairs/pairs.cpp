@@ -15,12 +15,7 @@ constexpr std::size_t kMostFaces = 4096;                   ///< of one mesh
 constexpr std::size_t kMostRanked = std::size_t{1} << 22;  ///< pieces, those of large objects first
 constexpr std::size_t kMostTried = 256;   ///< occluders per pair: what hides is mostly found soon
 constexpr std::size_t kMostNodes = 4096;  ///< of the tree per pair
-constexpr std::uint64_t kStepsPerLook = 4096;  ///< nodes and occluders between looks at the clock
-
-double surfaceOf(const Box& box) {
-  const glm::dvec3 size = box.max - box.min;
-  return size.x * size.y + size.y * size.z + size.z * size.x;
-}
+constexpr std::uint64_t kStepsPerLook = 256;  ///< nodes and occluders between looks at the clock
 
 /// Ordered by size, the largest first; never a tie.
 struct Candidate {
@@ -48,42 +43,29 @@ Result<std::vector<PlaceCorners>> cornersOfAll(std::span<const Place> places, co
   return out;
 }
 
-std::vector<ConvexPieces> piecesOfMeshes(const SceneSnapshot& scene) {
-  std::vector<ConvexPieces> pieces(scene.meshCount());
-  parallelFor(pieces.size(), [&](std::size_t i) {
-    const Mesh& mesh = scene.mesh(static_cast<MeshId>(i));
-    pieces[i] = ConvexPieces::of(mesh);
-    if (pieces[i].size() == 0) pieces[i] = ConvexPieces::facesOf(mesh, kMostFaces);
-  });
-  return pieces;
-}
-
-/// The surface of the piece's box in the world; -1 for what no segment finds.
+/// Half the surface of the piece's box in the world; -1 for what no segment finds.
 double rankOf(const ConvexPiece& piece, const Instance& instance) {
   Box mesh;
   for (const glm::vec3& v : piece.vertices) mesh.grow(glm::dvec3(v));
   const Box box = boundsOf(instance.world_from_mesh, mesh);
-  return box.finite() ? surfaceOf(box) : -1.0;
+  return box.finite() ? halfArea(box) : -1.0;
 }
 
 /// The `most` largest stay.
-void keepLargest(std::vector<Candidate>& found, std::size_t most, std::uint64_t& left_out) {
+void keepLargest(std::vector<Candidate>& found, std::size_t most) {
   if (found.size() <= most) return;
   std::nth_element(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(most), found.end());
-  left_out += found.size() - most;
   found.resize(most);
 }
 
 /// The largest pieces, at least as many as are kept; memory does not grow with the scene's pieces.
-std::vector<Candidate> candidatesIn(const SceneSnapshot& scene,
-                                    const std::vector<ConvexPieces>& pieces,
-                                    std::uint64_t& left_out) {
+std::vector<Candidate> candidatesIn(const SceneSnapshot& scene, const MeshPieces& pieces) {
   std::vector<std::pair<double, ObjectId>> objects;
   for (std::size_t i = 0; i < scene.objectCount(); ++i) {
     const Instance& instance = scene.instance(static_cast<ObjectId>(i));
     if (!instance.active() || instance.always_kept || pieces[instance.mesh].size() == 0) continue;
     if (!instance.bounds_world.finite()) continue;
-    objects.emplace_back(-surfaceOf(instance.bounds_world), static_cast<ObjectId>(i));
+    objects.emplace_back(-halfArea(instance.bounds_world), static_cast<ObjectId>(i));
   }
   std::sort(objects.begin(), objects.end());
   constexpr std::size_t kMost = PairsCuller::kMostBlockers;
@@ -94,13 +76,12 @@ std::vector<Candidate> candidatesIn(const SceneSnapshot& scene,
     const ConvexPieces& of_mesh = pieces[instance.mesh];
     const std::size_t taken = std::min(of_mesh.size(), kMostRanked - ranked);
     ranked += taken;
-    left_out += of_mesh.size() - taken;
     for (std::uint32_t p = 0; p < taken; ++p) {
       found.push_back({-rankOf(of_mesh[p], instance), object, p});
     }
-    if (found.size() > 8 * kMost) keepLargest(found, kMost, left_out);
+    if (found.size() > 8 * kMost) keepLargest(found, kMost);
   }
-  keepLargest(found, kMost, left_out);
+  keepLargest(found, kMost);
   return found;
 }
 
@@ -110,7 +91,6 @@ struct PairsCuller::Blockers {
   std::vector<SolidBlocker> solids;
   std::vector<FaceBlocker> faces;
   SegmentTree tree;  ///< over both, solids first
-  std::uint64_t left_out = 0;
 
   bool hides(std::uint32_t index, const PlaceCorners& viewer, const PlaceCorners& target) const {
     return index < solids.size() ? solids[index].hides(viewer, target)
@@ -136,23 +116,23 @@ void PairsCuller::Blockers::plant() {
   tree = SegmentTree(boxes);
 }
 
-PairsCuller::PairsCuller(const SceneSnapshot& scene)
-    : PairsCuller(scene, std::make_shared<const MeshPieces>(piecesOfMeshes(scene))) {}
-
-std::unique_ptr<const PairsCuller> PairsCuller::edited(const SceneSnapshot& next) const {
-  return std::unique_ptr<const PairsCuller>(new PairsCuller(next, pieces_));
+std::shared_ptr<const MeshPieces> piecesOfMeshes(const SceneSnapshot& scene) {
+  auto pieces = std::make_shared<MeshPieces>(scene.meshCount());
+  parallelFor(pieces->size(), [&](std::size_t i) {
+    const Mesh& mesh = scene.mesh(static_cast<MeshId>(i));
+    (*pieces)[i] = ConvexPieces::of(mesh);
+    if ((*pieces)[i].size() == 0) (*pieces)[i] = ConvexPieces::facesOf(mesh, kMostFaces);
+  });
+  return pieces;
 }
 
 PairsCuller::PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces)
     : pieces_(std::move(pieces)) {
   auto blockers = std::make_unique<Blockers>();
-  std::vector<Candidate> found = candidatesIn(scene, *pieces_, blockers->left_out);
+  std::vector<Candidate> found = candidatesIn(scene, *pieces_);
   std::sort(found.begin(), found.end());
   for (const Candidate& candidate : found) {
-    if (blockers->solids.size() + blockers->faces.size() >= kMostBlockers) {
-      ++blockers->left_out;
-      continue;
-    }
+    if (blockers->solids.size() + blockers->faces.size() >= kMostBlockers) break;
     const Instance& instance = scene.instance(candidate.object);
     blockers->add((*pieces_)[instance.mesh][candidate.piece], instance);
   }
@@ -165,7 +145,6 @@ PairsCuller::~PairsCuller() = default;
 std::size_t PairsCuller::blockers() const noexcept {
   return blockers_->solids.size() + blockers_->faces.size();
 }
-std::uint64_t PairsCuller::leftOut() const noexcept { return blockers_->left_out; }
 
 std::size_t PairsCuller::bytes() const noexcept {
   std::size_t bytes = sizeof *blockers_ + blockers_->tree.bytes();

@@ -28,18 +28,23 @@ struct PairsAnswer {
   std::chrono::nanoseconds time{0};
 };
 
+/// By mesh what can hide: of one made of convex parts alone these parts, of another its largest
+/// flat faces.
+using MeshPieces = std::vector<ConvexPieces>;
+
+/// No edit changes meshes: versions of a scene may share them. COST: O(triangles), on all cores.
+std::shared_ptr<const MeshPieces> piecesOfMeshes(const SceneSnapshot& scene);
+
 /// A snapshot's occluders, ready for questions about pairs. Immutable. THREADS: any.
 class PairsCuller {
  public:
   /// About so many of a scene's occluders are kept, the largest by the surface of their boxes.
   static constexpr std::size_t kMostBlockers = std::size_t{1} << 14;
 
-  /// Of meshes made of convex parts alone, these parts; of others the largest flat faces. COST:
-  /// O(n log n) in parts and faces, O(triangles) to find them.
-  explicit PairsCuller(const SceneSnapshot& scene);
+  /// COST: O(n log n) in the pieces of the scene's objects. REQUIRES: pieces of its meshes.
+  PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces);
+  explicit PairsCuller(const SceneSnapshot& scene) : PairsCuller(scene, piecesOfMeshes(scene)) {}
   ~PairsCuller();
-  /// The same for another version of the scene. COST: O(n log n): only the pieces are known.
-  std::unique_ptr<const PairsCuller> edited(const SceneSnapshot& next) const;
 
   /// `time`: 0 for no limit. ERROR: kInvalidInput: a place that is empty, not finite or farther out
   /// than kFarthestPlace, or a radius that is no number from 0 to that; names it.
@@ -48,15 +53,11 @@ class PairsCuller {
                            const Clock& clock = steadyClock()) const;
 
   std::size_t blockers() const noexcept;
-  std::uint64_t leftOut() const noexcept;  ///< parts and faces beyond it
   std::size_t bytes() const noexcept;
 
  private:
   struct Blockers;
-  using MeshPieces = std::vector<ConvexPieces>;  ///< by MeshId
-  PairsCuller(const SceneSnapshot& scene, std::shared_ptr<const MeshPieces> pieces);
-
-  std::shared_ptr<const MeshPieces> pieces_;  ///< no edit changes meshes
+  std::shared_ptr<const MeshPieces> pieces_;
   std::unique_ptr<const Blockers> blockers_;
 };
 

@@ -9,12 +9,7 @@ namespace {
 
 using Order = std::vector<std::uint32_t>;
 
-double surfaceOf(const Box& box) {
-  const glm::dvec3 size = box.max - box.min;
-  return size.x * size.y + size.y * size.z + size.z * size.x;
-}
-
-int longestSide(const Box& box) {
+int longestAxis(const Box& box) {
   const glm::dvec3 size = box.max - box.min;
   if (size.x >= size.y && size.x >= size.z) return 0;
   return size.y >= size.z ? 1 : 2;
@@ -28,7 +23,7 @@ std::uint32_t bestSplit(std::span<const std::uint32_t> order, std::span<const Bo
   Box box;
   for (std::size_t i = count; i-- > 0;) {
     box.grow(boxes[order[i]]);
-    after[i] = surfaceOf(box);
+    after[i] = halfArea(box);
   }
   box = {};
   std::size_t best = count / 2;
@@ -36,7 +31,7 @@ std::uint32_t bestSplit(std::span<const std::uint32_t> order, std::span<const Bo
   for (std::size_t i = 1; i < count; ++i) {
     box.grow(boxes[order[i - 1]]);
     const double cost =
-        surfaceOf(box) * static_cast<double>(i) + after[i] * static_cast<double>(count - i);
+        halfArea(box) * static_cast<double>(i) + after[i] * static_cast<double>(count - i);
     if (8 * i < count || 8 * (count - i) < count || !(cost < least)) continue;
     least = cost;
     best = i;
@@ -60,7 +55,7 @@ SegmentTree::SegmentTree(std::span<const Box> boxes) : order_(boxes.size()) {
       centres.grow(0.5 * boxes[*i].min + 0.5 * boxes[*i].max);
     }
     if (node.count > kLeaf) {
-      const int axis = longestSide(centres);
+      const int axis = longestAxis(centres);
       std::sort(begin, end, [&](std::uint32_t a, std::uint32_t b) {
         const double x = boxes[a].min[axis] + boxes[a].max[axis];
         const double y = boxes[b].min[axis] + boxes[b].max[axis];

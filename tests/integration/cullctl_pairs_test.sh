@@ -39,6 +39,10 @@ answer = json.load(sys.stdin)
 assert answer.pop("cull_ns") > 0
 assert answer == {"scene": "wall", "version": 1, "viewers": 2, "targets": 3, "may_see": [[1, 2], [0, 1, 2]], "out_of_budget": False}, answer
 ' || die "--json"
+counted() { curl -sS --max-time 20 "http://127.0.0.1:$port/metrics" | awk -v name="$1" '$1 == name { print $2 }'; }
+[ "$(counted culld_pairs_total)" = 12 ] || die "pairs asked about: $(counted culld_pairs_total)"
+[ "$(counted culld_pairs_hidden_total)" = 2 ] || die "pairs hidden: $(counted culld_pairs_hidden_total)"
+[ "$(counted culld_pairs_seconds_total)" != 0 ] || die "no time for pairs"
 
 echo '[{"at": [0, 0, 5]}, {"at": [0, 0]}]' >"$work/targets.json"
 refuses 2 "$work/targets.json: place 1: \"at\" is not a list of 3 numbers"

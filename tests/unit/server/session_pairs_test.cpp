@@ -1,6 +1,7 @@
 // Questions about pairs in a session: what is answered, in which order, and what is refused.
 #include <cmath>
 
+#include "protocol/limits.h"
 #include "tests/unit/server/session_fixture.h"
 
 namespace culld::server {
@@ -80,6 +81,31 @@ TEST_F(SessionPairs, AreNotAskedAgainForThoseWhoHungUp) {
   absorb(session.paired(std::move(outcome)));
   EXPECT_TRUE(pairs.empty());
   EXPECT_TRUE(session.drained());
+}
+
+/// Goes on by the same time whenever it is read.
+class LeapingClock final : public Clock {
+ public:
+  explicit LeapingClock(std::chrono::nanoseconds leap) : leap_(leap) {}
+  std::chrono::nanoseconds now() const noexcept override { return leap_ * ++reads_; }
+
+ private:
+  std::chrono::nanoseconds leap_;
+  mutable int reads_ = 0;
+};
+
+TEST_F(SessionPairs, TakeNoMoreThanTheMostTime) {
+  const std::chrono::microseconds most(wire::kMaxPairsTimeUs);
+  for (const std::uint32_t asked_us : {0U, 10 * wire::kMaxPairsTimeUs}) {
+    for (const bool longer : {false, true}) {
+      say(wire::Pairs{{at(1.25, 5)}, {at(1.25, -5)}, asked_us}, 40);
+      const LeapingClock leaping(longer ? most + most / 10 : most - most / 10);
+      absorb(session.paired(server::runPairs(std::move(pairs.at(0)), leaping)));
+      pairs.clear();
+      flush();
+      EXPECT_EQ(last<wire::PairsAnswer>().out_of_budget, longer) << asked_us;
+    }
+  }
 }
 
 TEST_F(SessionPairs, NameThePlaceThatIsNone) {

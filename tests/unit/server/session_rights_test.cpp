@@ -88,6 +88,23 @@ TEST_F(SessionRightsTest, RefusesCamerasOfATenantInDebtAndGoesOnLater) {
   EXPECT_TRUE(std::holds_alternative<StartCull>(actions[0]));
 }
 
+TEST_F(SessionRightsTest, RefusesPairsOfATenantInDebtAndGoesOnLater) {
+  const auto tenant = std::make_shared<Tenant>("acme", Quotas{100, 0, 0});
+  begin({tenant, ""});
+  tenant->culled(300ms, now);
+  const wire::Pairs question{{wire::Place{}}, {wire::Place{}}, 0};
+  say(question);
+  const auto error = reply<wire::ErrorReply>();
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code, wire::WireCode::kQuotaExceeded);
+  EXPECT_EQ(error->message, "pairs: tenant acme: 100 ms of culling per second are used up");
+  EXPECT_EQ(sent()->quota, QuotaReason::kCull);
+  now += 2001ms;
+  say(question);
+  ASSERT_EQ(actions.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<StartPairs>(actions[0]));
+}
+
 TEST_F(SessionRightsTest, CallsASceneByTheNameThatItsTenantKnows) {
   begin({std::make_shared<Tenant>("acme"), ""}, "acme:row");
   session.emplace(scene, SessionLimits{}, "culld/test", now, SessionRights{});

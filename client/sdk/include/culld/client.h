@@ -121,7 +121,7 @@ typedef struct culld_place { /* of fixed size: arrays of them are passed */
 } culld_place;
 /* Which viewers may see which targets? Of `may_see` bit v * target_count + t, lowest of each byte
  * first, is 0 only where it is proven that they cannot; (viewer_count * target_count + 7) / 8
- * bytes. `time_us` 0: no limit. `version` may be NULL. */
+ * bytes. `time_us` 0: what the server allows, two seconds. `version` may be NULL. */
 CULLD_API culld_code culld_pairs(culld_connection* connection, const culld_place* viewers,
                                  size_t viewer_count, const culld_place* targets,
                                  size_t target_count, uint32_t time_us, uint8_t* may_see,

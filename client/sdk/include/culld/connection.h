@@ -157,8 +157,9 @@ class Connection {
   void edit(std::vector<EditItem> edits, std::uint64_t expected_version, OnEdited callback);
 
   /// Which of `viewers` may see which of `targets`? Objects of the scene hide; the places
-  /// themselves do not. `time` 0: no limit. ERROR: kInvalidInput naming the place; kLimit: more
-  /// than protocol::kMaxPairs pairs; kUnsupported: a server that is too old.
+  /// themselves do not. `time` 0: what the server allows, two seconds. ERROR: kInvalidInput naming
+  /// the place; kLimit: more than protocol::kMaxPairs pairs, or more places than a message holds,
+  /// some 4,600; kUnsupported: a server that is too old.
   Result<PairsOutcome> pairs(std::vector<Place> viewers, std::vector<Place> targets,
                              std::chrono::microseconds time = {});
   using OnPairs = std::function<void(Result<PairsOutcome>)>;
