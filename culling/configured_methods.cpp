@@ -1,3 +1,4 @@
+// Methods under names that say their settings: what a program takes on its command line.
 #include <algorithm>
 
 #include "culling/culler.h"
@@ -32,12 +33,6 @@ class ConfiguredMethod final : public Method {
   std::unique_ptr<const Method> method_;
 };
 
-const Method* named(std::span<const Method* const> methods, std::string_view name) {
-  const auto at = std::find_if(methods.begin(), methods.end(),
-                               [&](const Method* method) { return method->info().name == name; });
-  return at == methods.end() ? nullptr : *at;
-}
-
 Error unknownMethod(std::string_view name, std::span<const Method* const> methods) {
   std::string known;
   for (const Method* method : methods) {
@@ -49,10 +44,16 @@ Error unknownMethod(std::string_view name, std::span<const Method* const> method
 
 }  // namespace
 
+const Method* findMethod(std::span<const Method* const> methods, std::string_view name) noexcept {
+  const auto at = std::find_if(methods.begin(), methods.end(),
+                               [&](const Method* method) { return method->info().name == name; });
+  return at == methods.end() ? nullptr : *at;
+}
+
 Result<const Method*> ConfiguredMethods::find(const std::string& name) {
-  if (const Method* known = named(methods_, name); known != nullptr) return known;
+  if (const Method* known = findMethod(methods_, name); known != nullptr) return known;
   const std::string plain = name.substr(0, name.find(':'));
-  const Method* method = named(methods_, plain);
+  const Method* method = findMethod(methods_, plain);
   if (method == nullptr) return unknownMethod(plain, methods_);
 
   SettingValues values(method->settings());

@@ -58,6 +58,11 @@ struct CullStats {
   std::chrono::nanoseconds work{0};
 };
 
+/// Pixels that an answer may lose: what the demand accepts, or `by_setting_px` where it names no
+/// number. 0 unless approximate answers are demanded of a camera that stands still: what is lost
+/// from one eye is not what is lost from another.
+double acceptedLossPx(const Camera& camera, const Demand& demand, double by_setting_px) noexcept;
+
 struct Answer {
   std::vector<ObjectId> visible;  ///< ascending, unique: equal answers are equal bytes
   std::vector<std::uint8_t>
@@ -161,7 +166,8 @@ class Method {
 /// Every method, an explicit table (methods/all.cpp).
 std::span<const Method* const> allMethods() noexcept;
 /// nullptr if there is none of that name.
-const Method* findMethod(std::string_view name) noexcept;
+const Method* findMethod(std::span<const Method* const> methods, std::string_view name) noexcept;
+const Method* findMethod(std::string_view name) noexcept;  ///< of allMethods()
 
 /// Methods by name, also with settings other than the standard ones: "raster",
 /// "z-pyramid:coherence=off:levels=6". THREADS: one at a time.
@@ -175,7 +181,7 @@ class ConfiguredMethods {
   /// ERROR: kInvalidInput: no method or no setting of that name, no value of it; names it.
   Result<const Method*> find(const std::string& name);
 
-  /// The table's methods and all that were found since.
+  /// The table's methods and all that were found since. Good until the next find().
   std::span<const Method* const> all() const noexcept { return methods_; }
 
  private:

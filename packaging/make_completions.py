@@ -20,7 +20,7 @@ SIMD_TARGETS = ["auto", "sse4", "avx2", "avx3"]
 VALUES = {
     "--cameras": FILES, "--depth-picture": FILES, "--config": FILES, "--ca": FILES, "--log-format": ["text", "json"],
     "--log-level": ["debug", "info", "warning", "error"], "--output": FILES, "--json": FILES,
-    "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS,
+    "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS, "--viewers": FILES, "--targets": FILES,
     "--scene": NAMED_FILES, "--guarantee": GUARANTEES, "--backend": ["auto", "cpu"], "--simd": SIMD_TARGETS,
     "SCENE": FILES, "FILE": FILES, "NAME": SCENES,
 }

@@ -30,4 +30,11 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
+/// Half the surface; 0 for an empty box.
+inline double halfArea(const Box& b) noexcept {
+  if (b.empty()) return 0.0;
+  const glm::dvec3 d = b.max - b.min;
+  return d.x * d.y + d.y * d.z + d.z * d.x;
+}
+
 }  // namespace culld

@@ -30,11 +30,6 @@ std::span<const Method* const> allMethods() noexcept {
   return methods;
 }
 
-const Method* findMethod(std::string_view name) noexcept {
-  for (const Method* method : allMethods()) {
-    if (method->info().name == name) return method;
-  }
-  return nullptr;
-}
+const Method* findMethod(std::string_view name) noexcept { return findMethod(allMethods(), name); }
 
 }  // namespace culld

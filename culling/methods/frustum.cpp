@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include "culling/spatial/frustum_test.h"
-#include "culling/spatial/frustum_walk.h"
+#include "culling/box_answer.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
@@ -16,19 +15,9 @@ class FrustumCuller final : public Culler, public HoldsBoxes {
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& /*view*/) const override {
     const auto start = clock_.now();
-    const WideBvh& bvh = boxes_.bvh();
     Answer answer;
-    const FrustumWalkStats walk = appendInFrustum(
-        bvh, FrustumTest(camera, bvh), Deadline(clock_, start, demand.time), answer.visible);
-    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
-    boxes_.completeIds(answer.visible);
-    answer.out_of_budget = walk.out_of_time;
-    if (walk.out_of_time) answer.note = "frustum: out of time, undecided objects are kept";
-    answer.stats.nodes_visited = walk.nodes_visited;
-    answer.stats.tested = walk.tested;
-    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.always_kept = static_cast<std::uint32_t>(bvh.alwaysKept().size());
-    answer.stats.work = walk.work(answer.visible.size());
+    answerFrustum(boxes_, camera, Deadline(clock_, start, demand.time), "", answer);
+    completeAnswer(boxes_, "frustum", answer);
     answer.stats.time = clock_.now() - start;
     return answer;
   }

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "culling/box_answer.h"
 #include "culling/methods/horizon_walk.h"
-#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
@@ -30,7 +30,7 @@ HorizonParts partsOf(const SettingValues& values) {
           static_cast<float>(values.number("least-gain"))};
 }
 
-class HorizonCuller final : public Culler, public HoldsBoxes {
+class HorizonCuller final : public Culler {
  public:
   HorizonCuller(PreparedBoxes boxes, const HorizonParts& parts, const Clock& clock)
       : boxes_(std::move(boxes)), parts_(parts), clock_(clock) {}
@@ -44,13 +44,10 @@ class HorizonCuller final : public Culler, public HoldsBoxes {
                   view.memory<HorizonMemory>())
           .run(answer);
     } else {
-      cullFrustumOnly(camera, deadline, answer);
+      answerFrustum(boxes_, camera, deadline,
+                    "horizon: a camera with a motion bound, occlusion is left out", answer);
     }
-    boxes_.completeIds(answer.visible);
-    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
-    if (!answer.out_of_budget) answer.stats.in_frustum += answer.stats.always_kept;
-    if (answer.out_of_budget)
-      answer.note = "horizon: out of time or work, undecided objects are kept";
+    completeAnswer(boxes_, "horizon", answer);
     answer.stats.time = clock_.now() - start;
     return answer;
   }
@@ -61,7 +58,6 @@ class HorizonCuller final : public Culler, public HoldsBoxes {
   }
 
   std::size_t preparedBytes() const noexcept override { return boxes_.bytes(); }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 const HorizonParts& parts, const Clock& clock) {
@@ -71,20 +67,6 @@ class HorizonCuller final : public Culler, public HoldsBoxes {
   }
 
  private:
-  /// Where one image cannot show what all poses see.
-  void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
-    const WideBvh& bvh = boxes_.bvh();
-    const FrustumWalkStats walk =
-        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
-    answer.stats.nodes_visited = walk.nodes_visited;
-    answer.stats.tested = walk.tested;
-    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
-    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.work = walk.work(answer.visible.size());
-    answer.out_of_budget = walk.out_of_time;
-    answer.note = "horizon: a camera with a motion bound, occlusion is left out";
-  }
-
   PreparedBoxes boxes_;
   HorizonParts parts_;
   const Clock& clock_;
@@ -107,12 +89,6 @@ class HorizonMethod final : public Method {
   }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
     return HorizonCuller::around(PreparedBoxes::of(std::move(scene)), parts_, clock);
-  }
-  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
-                                                const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
-    return HorizonCuller::around(lender->boxes(), parts_, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {

@@ -82,11 +82,8 @@ void HorizonWalk::visitNode(const HorizonItem& item) {
   ++stats_.nodes_visited;
   const WideNode& node = bvh_.node(item.ref.nodeIndex());
   const LaneVerdicts verdicts = frustum_.test(node, item.planes);
-  const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
-                                     node.origin[1] - origin_world_.y,
-                                     node.origin[2] - origin_world_.z};
   BoxRects rects;
-  projectBoxes(box_view_, origin, node.offsets, rects);
+  projectBoxes(box_view_, originFrom(node, origin_world_), node.offsets, rects);
   const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
   for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));

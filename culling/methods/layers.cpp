@@ -3,14 +3,14 @@
 #include <memory>
 #include <utility>
 
+#include "culling/box_answer.h"
 #include "culling/methods/layers_frame.h"
-#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
 namespace {
 
-class LayersCuller final : public Culler, public HoldsBoxes {
+class LayersCuller final : public Culler {
  public:
   LayersCuller(PreparedBoxes boxes, std::shared_ptr<const OccluderSet> occluders, SolidGrid grid,
                const LayersOptions& options, const Clock& clock)
@@ -29,13 +29,13 @@ class LayersCuller final : public Culler, public HoldsBoxes {
       LayersFrame(scene, options_, camera, deadline, demand, view.memory<LayersMemory>())
           .run(answer);
     } else {
-      cullFrustumOnly(camera, deadline, answer);
+      answerFrustum(boxes_, camera, deadline,
+                    camera.perspective
+                        ? "layers: the motion bound turns too far, occlusion is left out"
+                        : "layers: an orthographic camera, occlusion is left out",
+                    answer);
     }
-    boxes_.completeIds(answer.visible);
-    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
-    if (answer.stats.in_frustum != 0) answer.stats.in_frustum += answer.stats.always_kept;
-    if (answer.out_of_budget)
-      answer.note = "layers: out of time or work, undecided objects are kept";
+    completeAnswer(boxes_, "layers", answer);
     answer.stats.time = clock_.now() - start;
     return answer;
   }
@@ -51,25 +51,8 @@ class LayersCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes() + grid_.bytes();
   }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
 
  private:
-  /// Where there is no one eye that layers could lie around.
-  void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
-    const WideBvh& bvh = boxes_.bvh();
-    const FrustumWalkStats walk =
-        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
-    answer.stats.nodes_visited = walk.nodes_visited;
-    answer.stats.tested = walk.tested;
-    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
-    answer.stats.work = walk.work(answer.visible.size());
-    answer.out_of_budget = walk.out_of_time;
-    answer.note = camera.perspective
-                      ? "layers: the motion bound turns too far, occlusion is left out"
-                      : "layers: an orthographic camera, occlusion is left out";
-  }
-
   PreparedBoxes boxes_;
   std::shared_ptr<const OccluderSet> occluders_;
   SolidGrid grid_;

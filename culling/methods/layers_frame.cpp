@@ -3,26 +3,14 @@
 #include <algorithm>
 
 #include "culling/raster/rounding.h"
-#include "culling/spatial/frustum_walk.h"
 
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
-constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
 
 // Nanoseconds of counted work, as in the other methods that draw (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kCellNs = 400;
-
-bool largeEnough(const CellRect& rect) {
-  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
-}
-
-/// The front is that of one eye: where it moves, nothing may be lost.
-double acceptedPx(const Camera& camera, const Demand& demand, double by_setting_px) {
-  if (demand.guarantee != Guarantee::kApproximate || !camera.motion.still()) return 0.0;
-  return std::max(static_cast<double>(demand.accepted_missed_px), by_setting_px);
-}
 
 }  // namespace
 
@@ -38,7 +26,7 @@ LayersFrame::LayersFrame(const LayersScene& scene, const LayersOptions& options,
       view_(cellView(camera, gridFor(camera))),
       walk_(camera, scene.bvh, view_),
       drawing_(scene.scene, scene.occluders, view_, camera.origin_world, deadline, memory.occluder),
-      accepted_px_(acceptedPx(camera, demand, options.accepted_px)),
+      accepted_px_(acceptedLossPx(camera, demand, options.accepted_px)),
       // What a demand accepts is kept to, whatever that takes.
       most_triangles_(demand.accepted_missed_px > 0.0F ? 0 : options.most_triangles),
       polygons_left_(options.most_polygons) {
@@ -108,7 +96,7 @@ void LayersFrame::projectAll(Answer& answer) {
 void LayersFrame::drawObject(const ImageItem& item) {
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
   const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
-  if (polygons > polygons_left_ || !largeEnough(item.rect) || polygons > item.area()) return;
+  if (polygons > polygons_left_ || !largeEnough(item.rect) || polygons > item.rect.cells()) return;
   if (hidden(item)) return;
   polygons_left_ -= polygons;
   const DrawnOccluder drawn =
@@ -137,44 +125,6 @@ void LayersFrame::drawAll() {
   }
 }
 
-/// What is hidden ends here; it is only counted, so that the answer can say what occlusion brought.
-void LayersFrame::takeHidden(const ImageItem& item) {
-  if (item.ref.isObject()) {
-    ++stats_.occluded;
-    ++in_frustum_;
-  } else {
-    in_frustum_ += countInFrustum(scene_.bvh, walk_.frustum(), item.ref.nodeIndex(), item.planes);
-  }
-}
-
-void LayersFrame::testObjects(Answer& answer) {
-  std::vector<ImageItem>& stack = memory_.stack;
-  walk_.pushRoots(stack);
-  while (!stack.empty()) {
-    const ImageItem item = stack.back();
-    stack.pop_back();
-    if (!mayGoOn()) {
-      scene_.bvh.appendObjects(item.ref.nodeIndex(), answer.visible);
-      continue;
-    }
-    ++stats_.nodes_visited;
-    walk_.forEachChild(item, [&](const ImageItem& child, bool /*blocks*/, bool inside) {
-      const bool object = child.ref.isObject();
-      if (object) ++stats_.tested;
-      if (!inside) {
-        if (object) ++stats_.outside;
-      } else if (hidden(child)) {
-        takeHidden(child);
-      } else if (object) {
-        ++in_frustum_;
-        answer.visible.push_back(child.ref.objectId());
-      } else {
-        stack.push_back(child);
-      }
-    });
-  }
-}
-
 void LayersFrame::run(Answer& answer) {
   if (accepted_px_ > 0.0) projectAll(answer);
   if (accepted_px_ == 0.0 || stopped_) {  // all of it; once time is up, whatever it is
@@ -183,7 +133,10 @@ void LayersFrame::run(Answer& answer) {
     answer.proven = true;
     answer.missed_px = 0.0F;
     if (!stopped_) drawAll();
-    testObjects(answer);
+    walk_.appendUnhidden(
+        memory_.stack, [this] { return mayGoOn(); },
+        [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_,
+        answer.visible);
     if (!stopped_) stats_.in_frustum = in_frustum_;
   }
   answer.out_of_budget = stopped_;

@@ -57,8 +57,6 @@ class LayersFrame {
   void drawAll();
   void draw(std::span<const ObjectId> ids);
   void drawObject(const ImageItem& item);
-  void testObjects(Answer& answer);
-  void takeHidden(const ImageItem& item);
   bool hidden(const ImageItem& item) {
     return memory_.cells.certainlyHidden(item.rect, item.nearest);
   }

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "culling/box_answer.h"
 #include "culling/methods/occluder_volumes_walk.h"
 #include "culling/occluders/volume_occluders.h"
-#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
@@ -14,7 +14,7 @@ namespace {
 
 using SharedOccluders = std::shared_ptr<const VolumeOccluders>;
 
-class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
+class OccluderVolumesCuller final : public Culler {
  public:
   OccluderVolumesCuller(PreparedBoxes boxes, SharedOccluders occluders,
                         const OccluderVolumesOptions& options, const Clock& clock)
@@ -34,13 +34,9 @@ class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
     OccluderVolumesWalk(*boxes_.scene(), bvh, *occluders_, camera, eye, options, deadline,
                         view.memory<OccluderVolumesMemory>())
         .run(answer);
-    boxes_.completeIds(answer.visible);
-    answer.stats.always_kept = static_cast<std::uint32_t>(bvh.alwaysKept().size());
-    if (!answer.out_of_budget) answer.stats.in_frustum += answer.stats.always_kept;
+    completeAnswer(boxes_, "occluder-volumes", answer);
     if (!eye.why_not.empty()) {
       answer.note = "occluder-volumes: " + std::string(eye.why_not) + ", occlusion is left out";
-    } else if (answer.out_of_budget) {
-      answer.note = "occluder-volumes: out of time, undecided objects are kept";
     }
     answer.stats.time = clock_.now() - start;
     return answer;
@@ -54,7 +50,6 @@ class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders,
@@ -100,13 +95,6 @@ class OccluderVolumesMethod final : public Method {
     auto occluders = occludersOf(*scene);
     return OccluderVolumesCuller::around(PreparedBoxes::of(std::move(scene)), std::move(occluders),
                                          options_, clock);
-  }
-  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
-                                                const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
-    auto occluders = occludersOf(*scene);
-    return OccluderVolumesCuller::around(lender->boxes(), std::move(occluders), options_, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {

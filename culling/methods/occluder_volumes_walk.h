@@ -28,7 +28,8 @@ struct OccluderVolumesMemory final : ViewState::Memory {
 
 class OccluderVolumesWalk {
  public:
-  /// REQUIRES: eye.why_not is empty. Keeps references to all that it is given.
+  /// REQUIRES: eye.why_not is empty, or options.volumes is 0. Keeps references to all that it is
+  /// given.
   OccluderVolumesWalk(const SceneSnapshot& scene, const WideBvh& bvh,
                       const VolumeOccluders& occluders, const Camera& camera, const VolumeEye& eye,
                       const OccluderVolumesOptions& options, const Deadline& deadline,

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "culling/box_answer.h"
 #include "culling/methods/occlusion_map_frame.h"
-#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
@@ -33,7 +33,7 @@ std::shared_ptr<const MapMeshes> meshesOf(const SceneSnapshot& scene) {
   return meshes;
 }
 
-class OcclusionMapCuller final : public Culler, public HoldsBoxes {
+class OcclusionMapCuller final : public Culler {
  public:
   OcclusionMapCuller(PreparedBoxes boxes, std::shared_ptr<const MapMeshes> meshes,
                      OccluderDatabase database, const OcclusionMapOptions& options,
@@ -55,14 +55,11 @@ class OcclusionMapCuller final : public Culler, public HoldsBoxes {
                         view.memory<OcclusionMapMemory>())
           .run(answer);
     } else {
-      cullFrustumOnly(camera, deadline, answer);
+      answerFrustum(boxes_, camera, deadline,
+                    "occlusion-map: no one image holds for the motion bound, occlusion is left out",
+                    answer);
     }
-    boxes_.completeIds(answer.visible);
-    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
-    if (answer.stats.in_frustum != 0 || !answer.out_of_budget)
-      answer.stats.in_frustum += answer.stats.always_kept;
-    if (answer.out_of_budget)
-      answer.note = "occlusion-map: out of time or work, undecided objects are kept";
+    completeAnswer(boxes_, "occlusion-map", answer);
     answer.stats.time = clock_.now() - start;
     return answer;
   }
@@ -81,23 +78,8 @@ class OcclusionMapCuller final : public Culler, public HoldsBoxes {
     return boxes_.bytes() + meshes_->occluders.bytes() + meshes_->see_through.capacity() +
            database_.bytes();
   }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
 
  private:
-  /// Where one image cannot show what all poses see.
-  void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
-    const WideBvh& bvh = boxes_.bvh();
-    const FrustumWalkStats walk =
-        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
-    answer.stats.nodes_visited = walk.nodes_visited;
-    answer.stats.tested = walk.tested;
-    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
-    answer.stats.work = walk.work(answer.visible.size());
-    answer.out_of_budget = walk.out_of_time;
-    answer.note = "occlusion-map: no one image holds for the motion bound, occlusion is left out";
-  }
-
   PreparedBoxes boxes_;
   std::shared_ptr<const MapMeshes> meshes_;
   OccluderDatabase database_;

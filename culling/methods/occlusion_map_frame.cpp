@@ -8,32 +8,22 @@
 #include "culling/raster/box_cells.h"
 #include "culling/raster/object_rows.h"
 #include "culling/raster/rounding.h"
-#include "culling/spatial/frustum_walk.h"
 
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
-constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
 
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
 
-bool smallerFirst(const ImageItem& a, const ImageItem& b) { return a.area() < b.area(); }
+bool smallerFirst(const ImageItem& a, const ImageItem& b) {
+  return a.rect.cells() < b.rect.cells();
+}
 
 bool nearerFirst(const ImageItem& a, const ImageItem& b) {
   if (a.nearest != b.nearest) return a.nearest > b.nearest;
   return a.ref.objectId() < b.ref.objectId();
-}
-
-bool largeEnough(const CellRect& rect) {
-  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
-}
-
-/// Nothing may be lost in motion: what shines through a hole moves with the eye.
-double acceptedPx(const Camera& camera, const Demand& demand, double by_setting_px) {
-  if (demand.guarantee != Guarantee::kApproximate || !camera.motion.still()) return 0.0;
-  return std::max(static_cast<double>(demand.accepted_missed_px), by_setting_px);
 }
 
 }  // namespace
@@ -52,7 +42,7 @@ OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,
       walk_(camera, scene.bvh, view_),
       drawing_(scene.scene, scene.occluders, view_, origin_world_, deadline, memory.occluder),
       image_px_(static_cast<double>(camera.width_px) * camera.height_px),
-      accepted_px_(acceptedPx(camera, demand, options.accepted_px)),
+      accepted_px_(acceptedLossPx(camera, demand, options.accepted_px)),
       polygons_left_(options.most_polygons) {
   if (accepted_px_ > 0.0) hole_ = negligibleHole(options.opacity);
   memory_.cells.reset(view_.grid);
@@ -153,44 +143,6 @@ bool OcclusionMapFrame::hidden(const ImageItem& item) {
   return overlap.covered && (hole == 0 || memory_.ledger.take(item.rect));
 }
 
-/// What is hidden ends here; it is only counted, so that the answer can say what occlusion brought.
-void OcclusionMapFrame::takeHidden(const ImageItem& item) {
-  if (item.ref.isObject()) {
-    ++stats_.occluded;
-    ++in_frustum_;
-  } else {
-    in_frustum_ += countInFrustum(scene_.bvh, walk_.frustum(), item.ref.nodeIndex(), item.planes);
-  }
-}
-
-void OcclusionMapFrame::testObjects(Answer& answer) {
-  std::vector<ImageItem>& stack = memory_.stack;
-  walk_.pushRoots(stack);
-  while (!stack.empty()) {
-    const ImageItem item = stack.back();
-    stack.pop_back();
-    if (!mayGoOn()) {
-      scene_.bvh.appendObjects(item.ref.nodeIndex(), answer.visible);
-      continue;
-    }
-    ++stats_.nodes_visited;
-    walk_.forEachChild(item, [&](const ImageItem& child, bool /*blocks*/, bool inside) {
-      const bool object = child.ref.isObject();
-      if (object) ++stats_.tested;
-      if (!inside) {
-        if (object) ++stats_.outside;
-      } else if (hidden(child)) {
-        takeHidden(child);
-      } else if (object) {
-        ++in_frustum_;
-        answer.visible.push_back(child.ref.objectId());
-      } else {
-        stack.push_back(child);
-      }
-    });
-  }
-}
-
 void OcclusionMapFrame::run(Answer& answer) {
   chooseOccluders();
   drawOccluders();
@@ -198,7 +150,9 @@ void OcclusionMapFrame::run(Answer& answer) {
   if (options_.depth_of_cells) memory_.depth.addCells(memory_.cells);
   drawing_ns_ += kBlockNs * view_.grid.blocks();
   memory_.ledger.reset(memory_.map, image_px_, accepted_px_);
-  testObjects(answer);
+  walk_.appendUnhidden(
+      memory_.stack, [this] { return mayGoOn(); },
+      [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_, answer.visible);
   if (accepted_px_ > 0.0) {
     answer.guarantee = Guarantee::kApproximate;
     answer.missed_px = floatUp(memory_.ledger.lostPx());

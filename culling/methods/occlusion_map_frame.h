@@ -66,8 +66,6 @@ class OcclusionMapFrame {
   bool choose(const ImageItem& item);
   void drawOccluders();
   float farthestOf(const Instance& instance) const;
-  void testObjects(Answer& answer);
-  void takeHidden(const ImageItem& item);
   bool hidden(const ImageItem& item);
   std::uint32_t holeFor(const ImageItem& item) const;
   bool mayGoOn();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "culling/occluders/image_walk.h"
 #include "culling/raster/box_cells.h"
 #include "culling/spatial/octree_split.h"
 #include "culling/spatial/wide_bvh_fit.h"
@@ -13,31 +14,11 @@ namespace culld {
 namespace {
 
 // Choices of what to tile: they cost or save time and never change what an answer promises.
-constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
-constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
-constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertices are transformed
-constexpr std::uint32_t kMostTilings = 4;        ///< of one object, as more of it is passed
-constexpr std::uint32_t kStepsPerLook = 16;      ///< between two looks at the clock
+constexpr std::uint32_t kMostTilings = 4;    ///< of one object, as more of it is passed
+constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
 
 // Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kMaskNs = 6;
-
-/// 0 where the ends are the wrong way around.
-std::uint64_t cellsIn(const CellRect& r) {
-  if (r.x1 < r.x0 || r.y1 < r.y0) return 0;
-  return std::uint64_t{r.x1 - r.x0 + 1} * (r.y1 - r.y0 + 1);
-}
-
-bool worthTiling(const CellRect& r, const OccluderMesh& mesh) {
-  const std::uint64_t columns = r.x1 - r.x0 + 1, rows = r.y1 - r.y0 + 1;
-  return columns >= kLeastOccluderSide && rows >= kLeastOccluderSide &&
-         mesh.vertices <= kVerticesPerCell * columns * rows &&
-         mesh.blocking_triangles <= kTrianglesPerCell * columns * rows;
-}
-
-std::array<double, 3> fromEye(const WideNode& lanes, const glm::dvec3& eye) {
-  return {lanes.origin[0] - eye.x, lanes.origin[1] - eye.y, lanes.origin[2] - eye.z};
-}
 
 /// What of `box` is not in `region`, in boxes. What lies on an upper side of a region belongs to
 /// the one beyond it. Returns how many.
@@ -184,7 +165,7 @@ void PolygonTilingWalk::takeNode(std::uint32_t index, const Box& region, PlaneMa
   const WideNode& lanes = octree.lanes(node.children);
   const LaneVerdicts verdicts = frustum_.test(lanes, planes);
   BoxRects rects;
-  projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
+  projectBoxes(box_view_, originFrom(lanes, eye_world_), lanes.offsets, rects);
   std::uint32_t nearest = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (side_.highFirst(axis, node.centre[axis])) nearest |= 1U << axis;
@@ -234,7 +215,7 @@ void PolygonTilingWalk::takeGroup(const BspTree& tree, const BspNode& group, Pla
     const WideNode& lanes = tree.lanes(at);
     const LaneVerdicts verdicts = frustum_.test(lanes, planes);
     BoxRects rects;
-    projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
+    projectBoxes(box_view_, originFrom(lanes, eye_world_), lanes.offsets, rects);
     stats_.tested += static_cast<std::uint32_t>(std::popcount(std::uint32_t{lanes.live}));
     std::uint32_t left = verdicts.may_intersect & ~(side_.known ? rects.off_grid : 0U);
     for (; left != 0; left &= left - 1) {
@@ -314,7 +295,7 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
   CellRect rect{};
   float nearest = 0.0F;
   if (!cellsOf(instance.bounds_world, rect, nearest)) return;
-  if (!worthTiling(rect, occluders_.mesh(instance.mesh))) return;
+  if (!worthDrawing(rect, occluders_.mesh(instance.mesh))) return;
   if (memory_.coverage.covers(rect, levels_)) return;
   memory_.except.clear();
   std::uint64_t left_out = 0;
@@ -326,12 +307,12 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
         cells.x0 <= rect.x0 && cells.x1 >= rect.x1 && cells.y0 <= rect.y0 && cells.y1 >= rect.y1;
     if (all) return;
     memory_.except.push_back(cells);
-    left_out =
-        std::max(left_out, cellsIn({std::max(cells.x0, rect.x0), std::min(cells.x1, rect.x1),
-                                    std::max(cells.y0, rect.y0), std::min(cells.y1, rect.y1)}));
+    left_out = std::max(left_out, CellRect{std::max(cells.x0, rect.x0), std::min(cells.x1, rect.x1),
+                                           std::max(cells.y0, rect.y0), std::min(cells.y1, rect.y1)}
+                                      .cells());
   }
   // The first time for a quarter of its cells, the last for all.
-  if (kMostTilings * left_out > (kMostTilings - 1 - tilings->second) * cellsIn(rect)) return;
+  if (kMostTilings * left_out > (kMostTilings - 1 - tilings->second) * rect.cells()) return;
   ++tilings->second;
   ++stats_.occluders_drawn;
   std::uint64_t left_ns = OccluderDrawing::kNoLimit;
@@ -347,16 +328,7 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
 
 /// The cells that a box may be on. False: surely none.
 bool PolygonTilingWalk::cellsOf(const Box& box, CellRect& rect, float& nearest) const {
-  Box boxes[kWideLanes];
-  boxes[0] = box;
-  WideNode lanes = emptyNode();
-  fitNode(lanes, boxes);
-  BoxRects rects;
-  projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
-  if ((rects.off_grid & 1U) != 0) return false;
-  rect = cellRect(rects, 0, view_.grid);
-  nearest = rects.nearest[0];
-  return true;
+  return projectBox(box_view_, eye_world_, view_.grid, box, rect, nearest);
 }
 
 }  // namespace culld

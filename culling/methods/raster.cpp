@@ -3,10 +3,9 @@
 #include <memory>
 #include <utility>
 
+#include "culling/box_answer.h"
 #include "culling/methods/raster_walk.h"
 #include "culling/occluders/occluder_set.h"
-#include "culling/spatial/frustum_test.h"
-#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
@@ -28,14 +27,13 @@ class RasterCuller final : public Culler, public HoldsBoxes {
                  view.memory<RasterMemory>())
           .run(answer);
     } else {
-      cullFrustumOnly(camera, deadline, answer);
+      answerFrustum(boxes_, camera, deadline,
+                    camera.perspective
+                        ? "raster: the motion bound turns too far, occlusion is left out"
+                        : "raster: an orthographic camera that turns, occlusion is left out",
+                    answer);
     }
-    boxes_.completeIds(answer.visible);
-    answer.stats.always_kept = static_cast<std::uint32_t>(boxes_.bvh().alwaysKept().size());
-    if (!answer.out_of_budget || answer.stats.in_frustum != 0)
-      answer.stats.in_frustum += answer.stats.always_kept;
-    if (answer.out_of_budget)
-      answer.note = "raster: out of time or work, undecided objects are kept";
+    completeAnswer(boxes_, "raster", answer);
     answer.stats.time = clock_.now() - start;
     return answer;
   }
@@ -58,22 +56,6 @@ class RasterCuller final : public Culler, public HoldsBoxes {
   }
 
  private:
-  /// Where one image cannot show what all poses see.
-  void cullFrustumOnly(const Camera& camera, const Deadline& deadline, Answer& answer) const {
-    const WideBvh& bvh = boxes_.bvh();
-    const FrustumWalkStats walk =
-        appendInFrustum(bvh, FrustumTest(camera, bvh), deadline, answer.visible);
-    answer.stats.nodes_visited = walk.nodes_visited;
-    answer.stats.tested = walk.tested;
-    answer.stats.outside = static_cast<std::uint32_t>(bvh.liveObjects() - answer.visible.size());
-    answer.stats.in_frustum = static_cast<std::uint32_t>(answer.visible.size());
-    answer.stats.work = walk.work(answer.visible.size());
-    answer.out_of_budget = walk.out_of_time;
-    answer.note = camera.perspective
-                      ? "raster: the motion bound turns too far, occlusion is left out"
-                      : "raster: an orthographic camera that turns, occlusion is left out";
-  }
-
   PreparedBoxes boxes_;
   SharedOccluders occluders_;
   const Clock& clock_;

@@ -11,11 +11,7 @@
 namespace culld {
 namespace {
 
-// Choices of what to draw: they cost or save time and never change what an answer promises.
-constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
-constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
-constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertices are transformed
-constexpr std::uint32_t kItemsPerLook = 16;      ///< items between two looks at the clock
+constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
 
 // Nanoseconds of counted work, measured (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
@@ -23,10 +19,6 @@ constexpr std::uint64_t kStakeShare = 16;  ///< of the walk's work: asked in vai
 constexpr std::uint32_t kAskOneOf = 32;    ///< where it does not
 
 bool fartherFirst(const RasterItem& a, const RasterItem& b) { return a.nearest < b.nearest; }
-
-bool largeEnough(const CellRect& rect) {
-  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
-}
 
 }  // namespace
 
@@ -67,11 +59,8 @@ void RasterWalk::visitNode(const RasterItem& item) {
   ++stats_.nodes_visited;
   const WideNode& node = bvh_.node(item.ref.nodeIndex());
   const LaneVerdicts verdicts = frustum_.test(node, item.planes);
-  const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
-                                     node.origin[1] - origin_world_.y,
-                                     node.origin[2] - origin_world_.z};
   BoxRects rects;
-  projectBoxes(box_view_, origin, node.offsets, rects);
+  projectBoxes(box_view_, originFrom(node, origin_world_), node.offsets, rects);
   const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
   for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
     const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
@@ -115,12 +104,6 @@ void RasterWalk::takeObject(const RasterItem& item, bool blocking) {
   } else {
     memory_.candidates.push_back(item);
   }
-}
-
-bool RasterWalk::worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const {
-  const std::uint64_t cells = std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
-  return mesh.vertices <= kVerticesPerCell * cells &&
-         mesh.blocking_triangles <= kTrianglesPerCell * cells;
 }
 
 /// False if time or work ran out on the way.

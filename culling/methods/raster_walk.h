@@ -51,7 +51,6 @@ class RasterWalk {
   bool askingPays(std::uint64_t stake_ns);
   bool hiddenByItsTriangles(const RasterItem& item, bool& out_of_budget);
   void takeHidden(const RasterItem& item);
-  bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) const;
   bool drawObject(const RasterItem& item);
   std::uint64_t workLeftNs() const;
   bool workLeft() const { return most_work_.count() == 0 || work() < most_work_; }

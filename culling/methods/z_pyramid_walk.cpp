@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "culling/core/prices.h"
+#include "culling/occluders/image_walk.h"
 #include "culling/raster/box_cells.h"
 #include "culling/raster/moving_view.h"
 #include "culling/raster/own_triangles.h"
@@ -14,29 +15,15 @@
 namespace culld {
 namespace {
 
-// Choices of what to draw and ask: they cost or save time and never change what is promised. They
-// look at the object and the camera alone, so that answers do not depend on the order of drawing.
-constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
-constexpr std::uint64_t kTrianglesPerCell = 1;   ///< more detail than cells is not worth drawing
-constexpr std::uint64_t kVerticesPerCell = 4;    ///< as all of a mesh's vertices are transformed
-constexpr std::uint64_t kLeastFaceCells = 32;    ///< fewer cells: the rectangle says enough
-constexpr std::uint64_t kStakeNs = 300;          ///< per object: asked in vain before it must pay
+// Choices of what to ask: they cost or save time and never change what is promised. They look at
+// the object and the camera alone, so that answers do not depend on the order of drawing.
+constexpr std::uint64_t kLeastFaceCells = 32;  ///< fewer cells: the rectangle says enough
+constexpr std::uint64_t kStakeNs = 300;        ///< per object: asked in vain before it must pay
 
 constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
 
 // Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kComparisonNs = 8;
-
-std::uint64_t cellsOf(const CellRect& r) {
-  return std::uint64_t{r.x1 - r.x0 + 1} * (r.y1 - r.y0 + 1);
-}
-
-bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) {
-  const bool large =
-      rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
-  return large && mesh.vertices <= kVerticesPerCell * cellsOf(rect) &&
-         mesh.blocking_triangles <= kTrianglesPerCell * cellsOf(rect);
-}
 
 void growTo(std::vector<std::uint32_t>& marks, std::size_t size) {
   if (marks.size() < size) marks.resize(size, 0);
@@ -47,10 +34,6 @@ Camera shownBy(const Camera& camera) {
   Camera shown = camera;
   if (!holdsInMotion(camera)) shown.motion = MotionBound{};
   return shown;
-}
-
-std::array<double, 3> fromEye(const WideNode& lanes, const glm::dvec3& eye) {
-  return {lanes.origin[0] - eye.x, lanes.origin[1] - eye.y, lanes.origin[2] - eye.z};
 }
 
 }  // namespace
@@ -205,7 +188,7 @@ void ZPyramidWalk::takeObjects(const ZPyramidVisit& from, std::uint32_t visit) {
     const WideNode& lanes = octree_.lanes(at);
     const LaneVerdicts verdicts = frustum_.test(lanes, from.planes);
     BoxRects rects;
-    projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
+    projectBoxes(box_view_, originFrom(lanes, eye_world_), lanes.offsets, rects);
     stats_.tested += static_cast<std::uint32_t>(std::popcount(std::uint32_t{lanes.live}));
     std::uint32_t left = verdicts.may_intersect & ~(occlusion_ ? rects.off_grid : 0U);
     for (; left != 0; left &= left - 1) {
@@ -228,7 +211,7 @@ void ZPyramidWalk::pushChildren(const ZPyramidVisit& from, std::uint32_t visit) 
   if (node.children == OctreeNode::kNone) return;
   const WideNode& lanes = octree_.lanes(node.children);
   BoxRects rects;
-  projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
+  projectBoxes(box_view_, originFrom(lanes, eye_world_), lanes.offsets, rects);
   forEachChild(node, from.planes, [&](std::uint32_t child, PlaneMask planes, std::uint32_t octant) {
     if (occlusion_ && (rects.off_grid >> octant & 1U) != 0) return;
     ZPyramidVisit below;
@@ -254,7 +237,7 @@ bool ZPyramidWalk::hides(ZPyramidBox& box) {
   probe.rect = box.rect;
   probe.nearest = box.nearest;
   if (pyramid.hides(probe, parts_.levels, box.open)) return true;
-  if (!parts_.faces || cellsOf(box.rect) < kLeastFaceCells) return false;
+  if (!parts_.faces || box.rect.cells() < kLeastFaceCells) return false;
   const WideNode& lanes = octree_.lanes(box.lanes);
   addFaces(view_, eye_world_, {lanes.origin[0], lanes.origin[1], lanes.origin[2]}, lanes.offsets,
            box.lane, probe);
@@ -269,16 +252,8 @@ bool ZPyramidWalk::hides(ZPyramidBox& box) {
 
 /// The whole object, whichever part of it was met first.
 bool ZPyramidWalk::ownBox(ObjectId id, ZPyramidBox& box) const {
-  Box boxes[kWideLanes];
-  boxes[0] = scene_.instance(id).bounds_world;
-  WideNode lanes = emptyNode();
-  fitNode(lanes, boxes);
-  BoxRects rects;
-  projectBoxes(box_view_, fromEye(lanes, eye_world_), lanes.offsets, rects);
-  if ((rects.off_grid & 1U) != 0) return false;
-  box.rect = cellRect(rects, 0, view_.grid);
-  box.nearest = rects.nearest[0];
-  return true;
+  return projectBox(box_view_, eye_world_, view_.grid, scene_.instance(id).bounds_world, box.rect,
+                    box.nearest);
 }
 
 /// Draws the object if it is worth that and not hidden: hidden, it would change nothing.
@@ -387,8 +362,7 @@ void ZPyramidWalk::keepTheRest(Answer& answer) {
   for (const ZPyramidVisit& pending : memory_.pending) octree_.appendObjects(pending.node, below);
   for (const ObjectId id : below) keep(id, answer);
   for (const ZPyramidPart& part : memory_.parts) {
-    if (part.visit >= memory_.visits.size() || !memory_.visits[part.visit].hidden)
-      keep(part.id, answer);
+    if (!memory_.visits[part.visit].hidden) keep(part.id, answer);
   }
 }
 

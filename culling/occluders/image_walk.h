@@ -13,6 +13,7 @@
 #include "culling/raster/box_kernels.h"
 #include "culling/raster/cell_view.h"
 #include "culling/spatial/frustum_test.h"
+#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/wide_bvh.h"
 #include "culling/spatial/wide_bvh_fit.h"
 
@@ -24,10 +25,22 @@ struct ImageItem {
   float nearest;  ///< no point of it is nearer
   ChildRef ref;
   PlaneMask planes;  ///< still to be tested below a node
-  std::uint64_t area() const noexcept {
-    return std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
-  }
 };
+
+/// The cells that a box of world space may be on, and how near it may be. False: it is on none.
+inline bool projectBox(const BoxView& view, const glm::dvec3& eye_world, const CellGrid& grid,
+                       const Box& box, CellRect& rect, float& nearest) noexcept {
+  Box boxes[kWideLanes];
+  boxes[0] = box;
+  WideNode node = emptyNode();
+  fitNode(node, boxes);
+  BoxRects rects;
+  projectBoxes(view, originFrom(node, eye_world), node.offsets, rects);
+  if ((rects.off_grid & 1U) != 0) return false;
+  rect = cellRect(rects, 0, grid);
+  nearest = rects.nearest[0];
+  return true;
+}
 
 /// Keeps references to all that it is given.
 class ImageWalk {
@@ -38,8 +51,6 @@ class ImageWalk {
         view_(view),
         box_view_(boxView(view)),
         origin_world_(camera.origin_world) {}
-
-  const FrustumTest& frustum() const noexcept { return frustum_; }
 
   void pushRoots(std::vector<ImageItem>& items) const {
     for (auto root = static_cast<std::uint32_t>(bvh_.rootCount()); root-- > 0;) {
@@ -55,7 +66,43 @@ class ImageWalk {
     forEachLane(bvh_.node(item.ref.nodeIndex()), item.planes, take);
   }
 
-  /// The same for objects that are asked for by themselves. REQUIRES: active, with a bound.
+  /// Appends the objects in the frustum that are not hidden to `visible`, and once may_go_on() is
+  /// false all that is left. A hidden node ends the walk; what is below it is only counted, so that
+  /// an answer can say what occlusion brought. `stats`: a CullStats; `stack`: empty, for its
+  /// memory.
+  template <typename Stats, typename MayGoOn, typename Hidden>
+  void appendUnhidden(std::vector<ImageItem>& stack, const MayGoOn& may_go_on, const Hidden& hidden,
+                      Stats& stats, std::uint32_t& in_frustum,
+                      std::vector<ObjectId>& visible) const {
+    pushRoots(stack);
+    while (!stack.empty()) {
+      const ImageItem item = stack.back();
+      stack.pop_back();
+      if (!may_go_on()) {
+        bvh_.appendObjects(item.ref.nodeIndex(), visible);
+        continue;
+      }
+      ++stats.nodes_visited;
+      forEachChild(item, [&](const ImageItem& child, bool /*blocks*/, bool inside) {
+        const bool object = child.ref.isObject();
+        if (object) ++stats.tested;
+        if (!inside) {
+          stats.outside += object ? 1U : 0U;
+        } else if (hidden(child)) {
+          stats.occluded += object ? 1U : 0U;
+          in_frustum +=
+              object ? 1U : countInFrustum(bvh_, frustum_, child.ref.nodeIndex(), child.planes);
+        } else if (object) {
+          ++in_frustum;
+          visible.push_back(child.ref.objectId());
+        } else {
+          stack.push_back(child);
+        }
+      });
+    }
+  }
+
+  /// forEachChild() for objects that are asked for by themselves. REQUIRES: active, with a bound.
   template <typename Take>
   void forEachObject(const SceneSnapshot& scene, std::span<const ObjectId> ids,
                      const Take& take) const {
@@ -73,11 +120,8 @@ class ImageWalk {
   template <typename Take>
   void forEachLane(const WideNode& node, PlaneMask planes, const Take& take) const {
     const LaneVerdicts verdicts = frustum_.test(node, planes);
-    const std::array<double, 3> origin{node.origin[0] - origin_world_.x,
-                                       node.origin[1] - origin_world_.y,
-                                       node.origin[2] - origin_world_.z};
     BoxRects rects;
-    projectBoxes(box_view_, origin, node.offsets, rects);
+    projectBoxes(box_view_, originFrom(node, origin_world_), node.offsets, rects);
     const std::uint32_t on_image = verdicts.may_intersect & ~rects.off_grid;
     for (std::uint32_t lanes = node.live; lanes != 0; lanes &= lanes - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));

@@ -8,6 +8,7 @@
 
 #include "culling/core/parallel.h"
 #include "culling/raster/object_rows.h"
+#include "culling/spatial/wide_bvh_fit.h"
 
 namespace culld {
 namespace {
@@ -129,7 +130,7 @@ class OccluderJudge {
       stack.pop_back();
       for (std::uint32_t lanes = node.blocking; lanes != 0; lanes &= lanes - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(lanes));
-        if (!contains(laneBox(node, lane), box, slack)) continue;
+        if (!contains(boundsOfLane(node, lane), box, slack)) continue;
         const ChildRef child = node.child[lane];
         if (child.isNode()) {
           stack.push_back(child.nodeIndex());
@@ -153,13 +154,6 @@ class OccluderJudge {
     const glm::dvec3& near_by = inner.bounds_world.min;
     const Corners corners = cornersOf(inner, scene_.mesh(inner.mesh).bounds, near_by);
     return solidHolds(set_.piece(mesh.first_piece), solid, corners, near_by, slack);
-  }
-
-  static Box laneBox(const WideNode& node, std::size_t lane) {
-    const auto at = [&](std::size_t row) {
-      return node.origin[row % 3] + static_cast<double>(node.offsets[row][lane]);
-    };
-    return {{at(kMinX), at(kMinY), at(kMinZ)}, {at(kMaxX), at(kMaxY), at(kMaxZ)}};
   }
 
   const OccluderDatabase& base_;

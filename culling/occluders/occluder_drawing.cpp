@@ -13,7 +13,20 @@ constexpr std::uint32_t kPiecesPerLook = 16;  ///< pieces between two looks at t
 constexpr std::uint64_t kPieceNs = 1200, kSquareNs = 80;
 constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 
+constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells
+constexpr std::uint64_t kTrianglesPerCell = 1;
+constexpr std::uint64_t kVerticesPerCell = 4;  ///< as all of a mesh's vertices are transformed
+
 }  // namespace
+
+bool largeEnough(const CellRect& rect) noexcept {
+  return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
+}
+
+bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) noexcept {
+  return largeEnough(rect) && mesh.vertices <= kVerticesPerCell * rect.cells() &&
+         mesh.blocking_triangles <= kTrianglesPerCell * rect.cells();
+}
 
 SheetObject sheetObjectOf(const SceneSnapshot& scene, const Instance& instance, float nearest,
                           SheetParts parts, std::vector<SheetSurface>& surfaces) {

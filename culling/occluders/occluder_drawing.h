@@ -23,6 +23,11 @@ enum class SheetParts { kBlocking, kAll };
 SheetObject sheetObjectOf(const SceneSnapshot& scene, const Instance& instance, float nearest,
                           SheetParts parts, std::vector<SheetSurface>& surfaces);
 
+/// Smaller ones rarely fill any cell.
+bool largeEnough(const CellRect& rect) noexcept;
+/// Large enough, and with no more detail than cells. A choice of cost: it changes no promise.
+bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) noexcept;
+
 /// Buffers kept from object to object for their memory only.
 struct OccluderScratch {
   SheetRasterizer sheets;

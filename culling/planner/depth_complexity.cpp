@@ -121,11 +121,6 @@ class Counter {
   double width_, height_;
 };
 
-glm::dvec3 toWorld(const std::array<double, 12>& m, const glm::dvec3& p) {
-  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
-          m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
-}
-
 }  // namespace
 
 double DepthComplexity::mean() const noexcept {

@@ -18,11 +18,6 @@ struct SampledTriangle {
   double shadow;  ///< its area seen along y, times what it stands for; below 0: it faces down
 };
 
-glm::dvec3 toWorld(const std::array<double, 12>& m, const glm::vec3& p) {
-  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
-          m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
-}
-
 double handednessOf(const std::array<double, 12>& m) {
   const glm::dvec3 x(m[0], m[4], m[8]), y(m[1], m[5], m[9]), z(m[2], m[6], m[10]);
   return glm::dot(glm::cross(x, y), z) < 0.0 ? -1.0 : 1.0;
@@ -50,7 +45,9 @@ void sampleObject(const SceneSnapshot& scene, const Instance& instance,
         p[i] = toWorld(instance.world_from_mesh, mesh.positions[corner[i]]);
       }
       const double up = glm::cross(p[1] - p[0], p[2] - p[0]).y * side;
-      if (std::isfinite(up)) out.push_back({(p[0] + p[1] + p[2]) / 3.0, up * stands_for});
+      const glm::dvec3 middle = p[0] / 3.0 + p[1] / 3.0 + p[2] / 3.0;
+      const double finite = up + middle.x + middle.y + middle.z;
+      if (std::isfinite(finite)) out.push_back({middle, up * stands_for});
     }
   }
 }
@@ -71,8 +68,9 @@ class Ground {
  private:
   std::size_t cellOf(const glm::dvec3& p) const {
     const auto along = [&](int axis) {
-      const double size = std::max(box_.max[axis] - box_.min[axis], 1e-30);
-      const double at = (p[axis] - box_.min[axis]) / size * kSide;
+      // Halved: the difference of two finite numbers may be infinite.
+      const double size = std::max(0.5 * box_.max[axis] - 0.5 * box_.min[axis], 1e-30);
+      const double at = (0.5 * p[axis] - 0.5 * box_.min[axis]) / size * kSide;
       return static_cast<std::size_t>(std::clamp(at, 0.0, kSide - 1.0));
     };
     return along(2) * kSide + along(0);

@@ -14,7 +14,7 @@ inline std::uint32_t clampCell(float x, std::uint32_t side) noexcept {
   return static_cast<std::uint32_t>(std::min(std::max(x, 0.0F), top));  // truncation: x >= 0
 }
 
-/// The cells that box `lane` may be on. REQUIRES: it is not off the grid.
+/// The cells that box `lane` may be on; of one beside the grid the nearest ones.
 inline CellRect cellRect(const BoxRects& rects, std::size_t lane, const CellGrid& grid) noexcept {
   return {clampCell(rects.x0[lane], grid.width), clampCell(rects.x1[lane], grid.width),
           clampCell(rects.y0[lane], grid.height), clampCell(rects.y1[lane], grid.height)};

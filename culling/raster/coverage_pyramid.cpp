@@ -124,10 +124,4 @@ bool CoveragePyramid::covers(const CellRect& r, std::uint32_t levels) {
   return true;
 }
 
-std::size_t CoveragePyramid::bytes() const noexcept {
-  std::size_t total = 0;
-  for (const Level& level : levels_) total += level.nodes.capacity() * sizeof(Node);
-  return total;
-}
-
 }  // namespace culld

@@ -27,7 +27,6 @@ class CoveragePyramid {
   bool covers(const CellRect& rect, std::uint32_t levels);
 
   std::uint64_t masksCompared() const noexcept { return compared_; }  ///< since reset()
-  std::size_t bytes() const noexcept;
 
  private:
   /// Bit 8 * j + i: part (i, j). What is neither is vacant: nothing of it is covered.

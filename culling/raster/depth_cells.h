@@ -14,6 +14,11 @@ namespace culld {
 /// A closed range of cells.
 struct CellRect {
   std::uint32_t x0, x1, y0, y1;
+  /// 0 if ends are the wrong way around.
+  std::uint64_t cells() const noexcept {
+    if (x1 < x0 || y1 < y0) return 0;
+    return std::uint64_t{x1 - x0 + 1} * (y1 - y0 + 1);
+  }
 };
 
 /// Bits of the 8 x 8 square whose lower corner is (x, y): those within `rect`, in the same units.

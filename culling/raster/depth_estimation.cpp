@@ -12,11 +12,11 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 /// No covered cell of the block is farther; infinite if none is covered.
-float farthestOf(DepthCells& cells, std::uint32_t block) {
+float farthestOf(const DepthCells& cells, std::uint32_t block) {
   const float least = cells.leastNearness(block);
   if (least > 0.0F) return least;
-  if (!cells.used(block)) return kNone;
-  const float* c = cells.cells(block);
+  const float* c = cells.readCells(block);
+  if (c == nullptr) return kNone;
   float farthest = kNone;
   for (std::uint32_t i = 0; i < kBlockSide * kBlockSide; ++i) {
     farthest = std::min(farthest, c[i] > 0.0F ? c[i] : kNone);

@@ -27,8 +27,6 @@ class DepthEstimation {
   /// What is nowhere nearer than `nearest` lies behind all occluders in the rectangle's regions.
   bool behind(const CellRect& rect, float nearest) const;
 
-  std::size_t bytes() const noexcept { return farthest_.capacity() * sizeof(float); }
-
  private:
   std::uint32_t column(std::uint32_t x) const noexcept { return x * regions_ / grid_.width; }
   std::uint32_t row(std::uint32_t y) const noexcept { return y * regions_ / grid_.height; }

@@ -28,7 +28,6 @@ void reduce(const std::array<float, kIn>& in, std::uint32_t side, std::array<flo
 void DepthPyramid::reset(const CellGrid& grid) {
   grid_ = grid;
   comparisons_ = writes_ = 0;
-  levels_.resize(std::max<std::size_t>(levels_.size(), 1));
   std::uint32_t width = grid.blocks_x, height = grid.blocks_y;
   for (std::size_t i = 0;; ++i) {
     if (levels_.size() <= i) levels_.emplace_back();
@@ -167,13 +166,6 @@ bool DepthPyramid::hides(const BoxProbe& probe, std::uint32_t levels, OpenCell& 
     }
   }
   return true;
-}
-
-std::size_t DepthPyramid::bytes() const noexcept {
-  std::size_t total =
-      blocks_.capacity() * sizeof(Block) + raised_in_.capacity() * sizeof(std::uint32_t);
-  for (const Level& level : levels_) total += level.values.capacity() * sizeof(float);
-  return total;
 }
 
 }  // namespace culld

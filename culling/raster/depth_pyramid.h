@@ -50,7 +50,6 @@ class DepthPyramid {
 
   std::uint64_t comparisons() const noexcept { return comparisons_; }  ///< depths, since reset()
   std::uint64_t writes() const noexcept { return writes_; }  ///< values above the cells, the same
-  std::size_t bytes() const noexcept;
 
  private:
   static constexpr std::uint32_t kBlockLevel = 3;

@@ -43,7 +43,6 @@ class Horizon {
   float shareBeyond(const ColumnRect& rect) const;
 
   std::uint64_t looks() const noexcept { return looks_; }  ///< nodes and columns looked at
-  std::size_t bytes() const noexcept { return spans_.capacity() * sizeof(RowSpan); }
 
  private:
   bool spans(std::uint32_t at, std::uint32_t first, std::uint32_t count, const ColumnRect& rect);

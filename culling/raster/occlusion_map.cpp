@@ -12,14 +12,10 @@ namespace {
 constexpr std::uint32_t kBlockCells = kBlockSide * kBlockSide;
 
 /// Bits of the block's cells that nothing is proven of.
-std::uint64_t uncovered(DepthCells& cells, std::uint32_t block) {
+std::uint64_t uncovered(const DepthCells& cells, std::uint32_t block) {
   if (cells.leastNearness(block) > 0.0F) return 0;
-  if (!cells.used(block)) return ~std::uint64_t{0};
-  return ~cellsNearerThan(cells.cells(block), 0.0F);
-}
-
-std::uint64_t cellCount(const CellRect& rect) {
-  return std::uint64_t{rect.x1 - rect.x0 + 1} * (rect.y1 - rect.y0 + 1);
+  const float* drawn = cells.readCells(block);
+  return drawn == nullptr ? ~std::uint64_t{0} : ~cellsNearerThan(drawn, 0.0F);
 }
 
 }  // namespace
@@ -76,7 +72,7 @@ CellRect OcclusionMap::cellsOf(std::uint32_t level, std::uint32_t x,
 
 double OcclusionMap::opacity(std::uint32_t level, std::uint32_t x, std::uint32_t y) const noexcept {
   return 1.0 - static_cast<double>(levels_[level].at(x, y)) /
-                   static_cast<double>(cellCount(cellsOf(level, x, y)));
+                   static_cast<double>(cellsOf(level, x, y).cells());
 }
 
 bool OcclusionMap::texelCovered(std::uint32_t level, std::uint32_t x, std::uint32_t y,
@@ -90,7 +86,7 @@ bool OcclusionMap::texelCovered(std::uint32_t level, std::uint32_t x, std::uint3
       rect.x0 <= cells.x0 && cells.x1 <= rect.x1 && rect.y0 <= cells.y0 && cells.y1 <= rect.y1;
   // Finer levels forgive a hole in each block; not even so many are left.
   if (inside && open > std::uint64_t{hole} << (2 * level)) return false;
-  const auto count = static_cast<double>(cellCount(cells));
+  const auto count = static_cast<double>(cells.cells());
   if (static_cast<double>(open) >= query.rules.give_up * count) return false;
   if (level == 0) {
     const std::uint64_t under = squareMask(rect, cells.x0, cells.y0) & openCells(x, y);
@@ -123,12 +119,6 @@ Overlap OcclusionMap::overlap(const CellRect& rect, const OverlapRules& rules) c
     }
   }
   return {true, query.texels};
-}
-
-std::size_t OcclusionMap::bytes() const noexcept {
-  std::size_t bytes = open_.capacity() * sizeof(open_[0]);
-  for (const Level& level : levels_) bytes += level.open.capacity() * sizeof(level.open[0]);
-  return bytes;
 }
 
 }  // namespace culld

@@ -48,7 +48,6 @@ class OcclusionMap {
   std::uint64_t openCells(std::uint32_t block_x, std::uint32_t block_y) const noexcept {
     return open_[std::size_t{block_y} * grid_.blocks_x + block_x];
   }
-  std::size_t bytes() const noexcept;
 
  private:
   struct Level {

@@ -310,11 +310,4 @@ SkylineWork SheetSkyline::append(const SheetObject& object, const CellView& view
   return work;
 }
 
-std::size_t SheetSkyline::bytes() const noexcept {
-  return vertices_.capacity() * sizeof(CellVertex) + places_.capacity() * sizeof(Place) +
-         orientation_.capacity() + turned_.capacity() * sizeof(Turned) +
-         (marks_.capacity() + sorted_.capacity()) * sizeof(Mark) +
-         begin_.capacity() * sizeof(std::uint32_t);
-}
-
 }  // namespace culld

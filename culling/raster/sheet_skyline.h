@@ -52,7 +52,6 @@ class SheetSkyline {
   SkylineWork append(const SheetObject& object, const CellView& view,
                      const glm::dvec3& camera_origin_world, std::uint32_t columns,
                      const Deadline& deadline, HorizonSlices& out);
-  std::size_t bytes() const noexcept;
 
  private:
   /// A vertex on the image, within +- its errors, and a nearness that it does not fall below.

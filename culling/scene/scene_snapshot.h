@@ -34,6 +34,12 @@ struct Instance {
 
 static_assert(sizeof(Instance) <= 160, "docs promise the bytes per instance");
 
+/// A point of mesh space after the map, in double.
+inline glm::dvec3 toWorld(const std::array<double, 12>& m, const glm::dvec3& p) noexcept {
+  return {m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3], m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7],
+          m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11]};
+}
+
 /// Bounds of a box after the map: every point of it, transformed in double in any order of
 /// evaluation, lies inside; so does the exact result. Empty for an empty box.
 Box boundsOf(const std::array<double, 12>& world_from_mesh, const Box& bounds_mesh);

@@ -33,7 +33,8 @@ class OctreeEditor {
       remove(Octree::kRoot, id, scene_.instance(id).bounds_world);
     }
     const Instance& instance = next_.instance(id);
-    setAlwaysKept(id, instance.active() && laneClassOf(instance) == LaneClass::kAlwaysKept);
+    setListed(octree_.always_kept_, id,
+              instance.active() && laneClassOf(instance) == LaneClass::kAlwaysKept);
     if (hasLane(instance)) {
       bounds_ = instance.bounds_world;
       octree_.bounds_.grow(bounds_);
@@ -44,14 +45,6 @@ class OctreeEditor {
   }
 
  private:
-  void setAlwaysKept(ObjectId id, bool wanted) {
-    std::vector<ObjectId>& list = octree_.always_kept_;
-    const auto at = std::lower_bound(list.begin(), list.end(), id);
-    const bool there = at != list.end() && *at == id;
-    if (wanted && !there) list.insert(at, id);
-    if (!wanted && there) list.erase(at);
-  }
-
   Box boundsOfNode(std::uint32_t index) const {
     const OctreeNode& node = octree_.nodes_[index];
     Box box;

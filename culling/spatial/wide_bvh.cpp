@@ -46,6 +46,13 @@ Box boundsOf(const WideNode& node) noexcept {
   return box;
 }
 
+void setListed(std::vector<ObjectId>& list, ObjectId id, bool wanted) {
+  const auto at = std::lower_bound(list.begin(), list.end(), id);
+  const bool there = at != list.end() && *at == id;
+  if (wanted && !there) list.insert(at, id);
+  if (!wanted && there) list.erase(at);
+}
+
 Box boundsOfLane(const WideNode& node, std::size_t lane) noexcept {
   WideNode alone = emptyNode();
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -5,6 +5,7 @@
 // algorithm for bulk loading R-trees") with splits chosen by binned surface area, and live in
 // shared chunks: an edited tree shares every chunk that the edit did not touch.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -55,6 +56,12 @@ struct alignas(32) WideNode {
   std::uint32_t live_objects;  ///< at and below this node
 };
 static_assert(sizeof(WideNode) == 256);
+
+/// The node's origin as seen from the eye.
+inline std::array<double, 3> originFrom(const WideNode& node,
+                                        const glm::dvec3& eye_world) noexcept {
+  return {node.origin[0] - eye_world.x, node.origin[1] - eye_world.y, node.origin[2] - eye_world.z};
+}
 
 class WideBvh {
  public:

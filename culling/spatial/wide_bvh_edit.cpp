@@ -13,12 +13,6 @@ namespace {
 
 constexpr auto kLanes = static_cast<std::uint32_t>(kWideLanes);
 
-double halfArea(const Box& b) {
-  if (b.empty()) return 0.0;
-  const glm::dvec3 d = b.max - b.min;
-  return d.x * d.y + d.y * d.z + d.z * d.x;
-}
-
 bool contains(const Box& outer, const Box& inner) {
   return outer.min.x <= inner.min.x && outer.min.y <= inner.min.y && outer.min.z <= inner.min.z &&
          outer.max.x >= inner.max.x && outer.max.y >= inner.max.y && outer.max.z >= inner.max.z;
@@ -46,7 +40,7 @@ class WideBvhEditor {
     while (bvh_.lane_of_.size() <= id) bvh_.lane_of_.push_back(WideBvh::kNoLane);
     const Instance& instance = next_.instance(id);
     const LaneClass lane_class = laneClassOf(instance);
-    setAlwaysKept(id, lane_class == LaneClass::kAlwaysKept && instance.active());
+    setListed(bvh_.always_kept_, id, lane_class == LaneClass::kAlwaysKept && instance.active());
     const std::uint32_t lane = bvh_.lane_of_[id];
     if (lane_class != LaneClass::kLane) {
       if (lane != WideBvh::kNoLane) remove(id);
@@ -62,14 +56,6 @@ class WideBvhEditor {
   }
 
  private:
-  void setAlwaysKept(ObjectId id, bool wanted) {
-    std::vector<ObjectId>& list = bvh_.always_kept_;
-    const auto at = std::lower_bound(list.begin(), list.end(), id);
-    const bool there = at != list.end() && *at == id;
-    if (wanted && !there) list.insert(at, id);
-    if (!wanted && there) list.erase(at);
-  }
-
   /// A hidden object keeps its lane; shown again it may find its node shrunk, so it is compared
   /// with the box one level up.
   bool mayStay(std::uint32_t lane, const Instance& instance) const {

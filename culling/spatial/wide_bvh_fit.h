@@ -22,6 +22,9 @@ Box boundsOf(const WideNode& node) noexcept;
 /// Contains what the lane does; empty if it is not live.
 Box boundsOfLane(const WideNode& node, std::size_t lane) noexcept;
 
+/// Has an ascending list hold an id, or not.
+void setListed(std::vector<ObjectId>& list, ObjectId id, bool wanted);
+
 /// Sets everything but the children of the node from its children. `node_at(index)` gives
 /// a child node, which is fitted already.
 template <typename NodeAt>

@@ -96,6 +96,10 @@ TEST(ApproximateAnswers, LoseNoMoreThanTheySayInTheCity) {
     std::vector<Tally> tallies;
     judge(scene, city.cameras, accepted_px, tallies);
     expectCalibrated("city", tallies);
+    for (const Tally& t : tallies) {
+      if (accepted_px < 2000.0F || (t.method != "layers" && t.method != "occlusion-map")) continue;
+      EXPECT_GT(t.lossy, 0U) << t.method << " was never judged by what it loses";
+    }
   }
 }
 

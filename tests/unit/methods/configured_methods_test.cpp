@@ -81,5 +81,19 @@ TEST(AllMethods, HaveSettingsThatCanBeSet) {
   }
 }
 
+TEST(AcceptedLoss, IsTheDemandsNumberWhateverTheSetting) {
+  Camera camera = cameraFromLookAt({}, {}).value();
+  Demand demand;
+  demand.accepted_missed_px = 20.0F;
+  EXPECT_EQ(acceptedLossPx(camera, demand, 300.0), 0.0) << "a superset is demanded";
+  demand.guarantee = Guarantee::kApproximate;
+  EXPECT_EQ(acceptedLossPx(camera, demand, 300.0), 20.0);
+  EXPECT_EQ(acceptedLossPx(camera, demand, 5.0), 20.0);
+  demand.accepted_missed_px = 0.0F;
+  EXPECT_EQ(acceptedLossPx(camera, demand, 300.0), 300.0);
+  camera.motion.radius_m = 0.1;
+  EXPECT_EQ(acceptedLossPx(camera, demand, 300.0), 0.0) << "it may be lost from another eye";
+}
+
 }  // namespace
 }  // namespace culld

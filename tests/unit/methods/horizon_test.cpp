@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "culling/methods/frustum.h"
 #include "culling/scene/edit.h"
 #include "culling/scene/scene_builder.h"
@@ -14,7 +16,7 @@ scenes::Triangles house(float height) {
   return scenes::box(glm::vec3(-4, 0, -4), glm::vec3(4, height, 4));
 }
 
-/// Streets of houses between x = -100 and 100, rows going away from z = 0, each higher.
+/// Streets of houses between x = -100 and 100, rows going away from z = 0.
 SnapshotPtr town(int rows) {
   SceneBuilder builder;
   std::uint32_t node = 0;
@@ -57,7 +59,7 @@ TEST(HorizonMethod, LeavesOutTheStreetsBehindTheFirst) {
   EXPECT_EQ(answer.guarantee, Guarantee::kConservative);
 }
 
-TEST(HorizonMethod, HidesNothingWithoutTheSweepBehindWhatIsAsFarAway) {
+TEST(HorizonMethod, HidesMoreWithTheSweep) {
   const SnapshotPtr scene = town(12);
   const auto answered = [&](const char* name) {
     return answerOf(name, scene, inTheStreet(40)).visible.size();
@@ -180,6 +182,8 @@ TEST(HorizonMethod, StopsWhenItsWorkIsUsedUp) {
   const Answer cut = answerOf("horizon", scene, inTheStreet(), demand);
   EXPECT_TRUE(cut.out_of_budget);
   EXPECT_GT(cut.visible.size(), whole.visible.size());
+  EXPECT_TRUE(std::includes(cut.visible.begin(), cut.visible.end(), whole.visible.begin(),
+                            whole.visible.end()));
 }
 
 TEST(HorizonMethod, RefusesScenesThatAreNot2Point5D) {

@@ -1,6 +1,7 @@
 // Attacks docs/error-model/z-pyramid.md §1: wherever a point of a box is seen, the box must not be
 // called beside that cell, nor farther than the point. Judged in 113-bit arithmetic.
 #include "culling/raster/box_probe.h"
+#include "tests/scenes/rounds.h"
 #include "tests/unit/raster/cell_attack.h"
 
 namespace culld {
@@ -83,7 +84,7 @@ class BoxProbeAttack : public CellAttack {
 };
 
 TEST_F(BoxProbeAttack, NoPointOfABoxIsBesideItOrNearerThanItsFaces) {
-  constexpr std::size_t kBoxes = 30'000;
+  constexpr std::size_t kBoxes = scenes::rounds(30'000);
   for (std::uint64_t seed = 1; seed <= kBoxes && !HasFatalFailure(); ++seed) {
     begin(seed);
     attackBox();

@@ -1,6 +1,7 @@
 // Attacks the rows that an object hides in each column: see cell_attack.h. Their very ends are
 // judged, at both sides of the column.
 #include "culling/raster/sheet_skyline.h"
+#include "tests/scenes/rounds.h"
 #include "tests/unit/raster/cell_attack.h"
 
 namespace culld {
@@ -51,23 +52,23 @@ class SkylineAttack : public CellAttack {
 };
 
 TEST_F(SkylineAttack, EveryRayThroughHiddenRowsMeetsTheObjectAtLeastAsNear) {
-  for (std::uint64_t seed = 1; seed <= 4000 && !HasFatalFailure(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(4000) && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     begin(seed);
     attackOnce();
   }
   std::printf("%zu columns judged\n", columns_);
-  EXPECT_GT(columns_, 2500U);
+  EXPECT_GT(columns_, scenes::rounds(2500));
 }
 
 TEST_F(SkylineAttack, AlsoWhereCancellationLeavesVerticesFewDigits) {
-  for (std::uint64_t seed = 1; seed <= 3000 && !HasFatalFailure(); ++seed) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(3000) && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     begin(seed);
     attackCancellation();
   }
   std::printf("%zu columns judged\n", columns_);
-  EXPECT_GT(columns_, 1000U);
+  EXPECT_GT(columns_, scenes::rounds(1000));
 }
 
 }  // namespace

@@ -1,0 +1,20 @@
+// What methods that cull with boxes do alike, whatever they leave out in between.
+#pragma once
+#include <string_view>
+
+#include "culling/core/clock.h"
+#include "culling/culler.h"
+#include "culling/spatial/prepared_boxes.h"
+
+namespace culld {
+
+/// Appends all that the frustum may hold, in no particular order, and counts the work. `note`: why
+/// no more is left out; empty if that is the method.
+void answerFrustum(const PreparedBoxes& boxes, const Camera& camera, const Deadline& deadline,
+                   std::string_view note, Answer& answer);
+
+/// Completes what a walk has found: the objects without a bound, ascending ids, their counts, and
+/// the note of `method` if it was cut short.
+void completeAnswer(const PreparedBoxes& boxes, std::string_view method, Answer& answer);
+
+}  // namespace culld
