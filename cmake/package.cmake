@@ -38,6 +38,7 @@ culld_package(sdk libculld-client-dev libdevel
   "Headers and libraries for programs that ask culld which objects a camera can"
   "see, with a CMake package and a pkg-config file.")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_RECOMMENDS cullctl)
+set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "libegl1, libgl1-mesa-dri, libosmesa6")  # opened at run time, if at all
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(culld_control conffiles postinst prerm postrm)

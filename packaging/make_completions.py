@@ -14,6 +14,7 @@ import option_table
 
 FILES, FOLDERS, SCENES, NAMED_FILES = "files", "folders", "scenes", "NAME=FILE"
 GUARANTEES = ["conservative", "hole", "sampled", "approximate"]
+BACKENDS = ["auto", "cpu", "egl-device", "egl-surfaceless", "osmesa"]
 SIMD_TARGETS = ["auto", "sse4", "avx2", "avx3"]
 
 # What follows an option, where more is known than "a word". A positional's name is its key.
@@ -21,7 +22,7 @@ VALUES = {
     "--cameras": FILES, "--depth-picture": FILES, "--config": FILES, "--ca": FILES, "--log-format": ["text", "json"],
     "--log-level": ["debug", "info", "warning", "error"], "--output": FILES, "--json": FILES,
     "--unix": FILES, "--data": FOLDERS, "--report": FOLDERS, "--viewers": FILES, "--targets": FILES,
-    "--scene": NAMED_FILES, "--guarantee": GUARANTEES, "--backend": ["auto", "cpu"], "--simd": SIMD_TARGETS,
+    "--scene": NAMED_FILES, "--guarantee": GUARANTEES, "--backend": BACKENDS, "--simd": SIMD_TARGETS,
     "SCENE": FILES, "FILE": FILES, "NAME": SCENES,
 }
 

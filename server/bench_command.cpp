@@ -16,6 +16,7 @@
 #include "protocol/answer_file.h"
 #include "protocol/id_set.h"
 #include "protocol/text.h"
+#include "server/backend_option.h"
 #include "server/command_inputs.h"
 #include "server/command_line.h"
 #include "server/machine.h"
@@ -30,7 +31,7 @@ constexpr const char* kBaseline = "frustum";
 
 struct Options {
   std::vector<std::string> scenes;
-  std::string cameras, methods = "all", sizes, times_us, report, simd = "auto";
+  std::string cameras, methods = "all", sizes, times_us, report, backend = "auto", simd = "auto";
   std::uint32_t repeat = 5, every = 1, samples = 4, rays = 16;
   std::uint64_t seed = 1;
   std::span<const Method* const> table;  ///< all that there are
@@ -55,6 +56,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--rays", o.rays, "truth: rays aimed at each object not seen so far")
       ->check(CLI::Range(0U, 1'000'000U));
   app.add_option("--seed", o.seed, "truth: of its random numbers")->check(CLI::NonNegativeNumber);
+  app.add_option("--backend", o.backend, kBackendHelp);
   app.add_option("--simd", o.simd, "force a SIMD target: auto, sse4, avx2, avx3");
   app.add_option("--report", o.report, "folder for report.html, report.csv, report.json")
       ->required();
@@ -237,6 +239,7 @@ BenchFacts factsOf(const Options& o, const std::string& command) {
   facts.emplace_back("truth", std::to_string(lattice * lattice) + " rays a pixel, " +
                                   std::to_string(o.rays) + " aimed at each object not seen, seed " +
                                   std::to_string(o.seed));
+  facts.emplace_back("backend", backendInUse());
   facts.emplace_back("repetitions", std::to_string(o.repeat) + ", the methods in turn");
   return facts;
 }
@@ -265,6 +268,9 @@ int run(Options& o, const std::string& command) {
   const auto options = benchOptions(o);
   if (!options) return fail(kUsage, options.error().message);
   if (auto forced = forceSimdTarget(o.simd); !forced) return fail(kUsage, forced.error().message);
+  if (auto opened = openBackendNamed(o.backend); !opened) {
+    return fail(exitCodeOf(opened.error()), opened.error().message);
+  }
   std::error_code error;
   fs::create_directories(o.report, error);
   if (error) return fail(kDisk, o.report + ": " + error.message());

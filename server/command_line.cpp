@@ -10,6 +10,10 @@
 
 namespace culld {
 
+ExitCode exitCodeOf(const Error& error) noexcept {
+  return error.code == ErrorCode::kUnavailable ? kUnavailable : kUsage;
+}
+
 int fail(ExitCode code, std::string_view message) {
   std::fprintf(stderr, "culld: %s\n", protocol::oneLine(message).c_str());
   return code;

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "culling/core/result.h"
+
 namespace CLI {
 class App;
 }
@@ -14,6 +16,9 @@ namespace culld {
 
 /// docs/clients.md "Exit codes".
 enum ExitCode { kFine = 0, kFailed = 1, kUsage = 2, kUnavailable = 69, kDisk = 74, kConfig = 78 };
+
+/// What a command ends with after a failure that is not about its input's contents.
+ExitCode exitCodeOf(const Error& error) noexcept;
 
 /// Says what is wrong, in one line on stderr that begins with the program's name. Returns `code`.
 int fail(ExitCode code, std::string_view message);

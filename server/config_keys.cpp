@@ -8,6 +8,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "culling/gpu/backend.h"
+
 namespace culld::server {
 namespace {
 
@@ -140,6 +142,11 @@ Result<void> checkSocketPath(const std::string& path) {
   return invalidInput("path too long for a socket");
 }
 
+Result<void> checkBackend(const std::string& name) {
+  const auto choice = gpu::backendNamed(name);
+  return choice ? Result<void>(Done{}) : choice.error();
+}
+
 using Words = std::vector<std::pair<std::string, std::string>>;
 
 std::vector<ConfigKey> generalKeys() {
@@ -160,10 +167,10 @@ std::vector<ConfigKey> generalKeys() {
       named(whole(
           "threads", kAtStart, 0, 1024, [](auto& c) -> auto& { return c.threads; },
           "For culling; 0: as many as cores")),
-      named(choice(
-          "backend", kAtStart, Words{{"auto", "auto"}, {"cpu", "cpu"}},
-          [](auto& c) -> auto& { return c.backend; },
-          "auto or cpu, which is all that there is so far")),
+      named(text(
+          "backend", KeyKind::kText, kAtStart, [](auto& c) -> auto& { return c.backend; },
+          "What draws for methods on a GPU: auto, cpu, egl-device[:n], egl-surfaceless, osmesa",
+          checkBackend)),
       named(choice(
           "simd", kAtStart,
           Words{{"auto", "auto"}, {"sse4", "sse4"}, {"avx2", "avx2"}, {"avx3", "avx3"}},

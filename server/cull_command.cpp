@@ -15,6 +15,7 @@
 #include "culling/core/simd.h"
 #include "culling/culler.h"
 #include "protocol/answer_file.h"
+#include "server/backend_option.h"
 #include "server/command_inputs.h"
 #include "server/command_line.h"
 #include "server/scene.h"
@@ -46,7 +47,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--time-us", o.demand.time_us, "time per camera, in microseconds; 0: no limit");
   app.add_option("--width", o.image.width_px, "image width, for cameras that do not say");
   app.add_option("--height", o.image.height_px, "image height, for cameras that do not say");
-  app.add_option("--backend", o.backend, "auto or cpu");
+  app.add_option("--backend", o.backend, kBackendHelp);
   app.add_option("--simd", o.simd, "force a SIMD target: auto, sse4, avx2, avx3");
   app.add_option("-o,--output", o.output, "answers file to write")->required();
 }
@@ -57,16 +58,6 @@ Result<Demand> demandOf(const Options& o) {
   if (!guarantee) return invalidInput(guarantee.error().message);
   demand.guarantee = guarantee.value();
   return toEngine(demand);
-}
-
-Result<void> checkBackend(const std::string& backend) {
-  if (backend == "auto" || backend == "cpu") return Done{};
-  if (backend == "egl-surfaceless" || backend == "osmesa" || backend == "egl-device" ||
-      backend.rfind("egl-device:", 0) == 0) {
-    return invalidInput("backend " + backend + ": this build culls on the CPU only");
-  }
-  return invalidInput("backend " + backend +
-                      ": not one of auto, cpu, egl-device[:n], egl-surfaceless, osmesa");
 }
 
 std::vector<protocol::ObjectName> namesOf(const SceneSnapshot& scene) {
@@ -116,8 +107,11 @@ int cullAll(const Options& o, const Demand& demand, const std::vector<Camera>& c
 int run(const Options& o) {
   const auto demand = demandOf(o);
   if (!demand) return fail(kUsage, demand.error().message);
-  for (const auto& checked : {checkBackend(o.backend), forceSimdTarget(o.simd)}) {
-    if (!checked) return fail(kUsage, checked.error().message);
+  if (const auto forced = forceSimdTarget(o.simd); !forced) {
+    return fail(kUsage, forced.error().message);
+  }
+  if (const auto opened = openBackendNamed(o.backend); !opened) {
+    return fail(exitCodeOf(opened.error()), opened.error().message);
   }
   ConfiguredMethods methods(allMethods());
   if (const auto known = methods.find(o.method); !known) {

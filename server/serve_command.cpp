@@ -12,6 +12,7 @@
 
 #include "culling/core/simd.h"
 #include "server/access.h"
+#include "server/backend_option.h"
 #include "server/server.h"
 
 namespace culld {
@@ -216,6 +217,9 @@ int runServe(const ServeArguments& arguments) {
   if (auto forced = forceSimdTarget(config.value().simd); !forced) {
     return fail(mistakeIn(config.value()), forced.error().message);
   }
+  if (auto opened = openBackendNamed(config.value().backend); !opened) {
+    return fail(exitCodeOf(opened.error().code, config.value()), opened.error().message);
+  }
   // A file that the configuration names and that cannot be used is its mistake.
   if (auto usable = server::checkAccess(config.value().access, config.value().tls); !usable) {
     return fail(kConfig, usable.error().message);
@@ -225,6 +229,9 @@ int runServe(const ServeArguments& arguments) {
   auto options = optionsOf(config.value());
   options.limits = fittedToDescriptors(config.value().limits, *log);
   options.log = log.get();
+  if (config.value().backend != "auto" && config.value().backend != "cpu") {
+    log->info("drawing with " + backendInUse());
+  }
   auto inherited = server::inheritedSockets();
   if (!inherited) return fail(kConfig, inherited.error().message);
   options.inherited = std::move(inherited).value();

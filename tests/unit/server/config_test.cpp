@@ -159,7 +159,9 @@ TEST(Config, NamesThePlaceOfEachMistakeInAFile) {
       {"data = \"a\\u0000b\"", "culld.toml:1: data = \"a\\u0000b\": holds a null character"},
       {"threads = -1", "culld.toml:1: threads = -1: is not from 0 to 1024"},
       {"threads = 1025", "culld.toml:1: threads = 1025: is not from 0 to 1024"},
-      {"backend = \"gpu\"", "culld.toml:1: backend = \"gpu\": is none of auto, cpu"},
+      {"backend = \"gpu\"",
+       "culld.toml:1: backend = \"gpu\": is none of auto, cpu, "
+       "egl-device[:n], egl-surfaceless, osmesa"},
       {"[log]\nlevel = \"infos\"",
        "culld.toml:2: log.level = \"infos\": is none of debug, info, warning, error"},
       {"[limits]\nmax_views = 0", "culld.toml:2: limits.max_views = 0: is not from 1 to 64"},

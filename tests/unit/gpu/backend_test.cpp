@@ -1,0 +1,146 @@
+#include "culling/gpu/backend.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <thread>
+#include <vector>
+
+#include "culling/gpu/program.h"
+#include "culling/gpu/self_test.h"
+#include "tests/unit/gpu/opened_backend.h"
+
+namespace culld::gpu {
+namespace {
+
+class BackendTest : public WithBackend {};
+class ContextPoolTest : public WithBackend {};
+class SelfTest : public WithBackend {};
+
+struct Marks final : ContextData {
+  explicit Marks(const GlTable& gl) : buffer(gl) { ++made; }
+  Buffer buffer;
+  static inline std::atomic<int> made{0};
+};
+
+TEST_F(BackendTest, SaysWhatItIs) {
+  EXPECT_EQ(backend()->name(), std::getenv("CULLD_TEST_BACKEND"));
+  EXPECT_FALSE(backend()->renderer().empty());
+  EXPECT_GE(backend()->mostBufferBytes(), std::size_t{1} << 24U);  // OpenGL 4.5 promises that
+}
+
+TEST_F(ContextPoolTest, GivesTheSameContextAgain) {
+  ASSERT_TRUE(backend()->acquire().ok());
+  const int before = Marks::made;
+  for (int i = 0; i < 3; ++i) {
+    auto lease = backend()->acquire();
+    ASSERT_TRUE(lease.ok());
+    const float value = 2.0F;
+    lease.value().data<Marks>().buffer.upload<float>({&value, 1});
+    EXPECT_TRUE(lease.value().check().ok());
+  }
+  EXPECT_EQ(Marks::made, before + 1);
+}
+
+TEST_F(ContextPoolTest, ServesMoreThreadsThanItHasContexts) {
+  std::atomic<int> wrong{0};
+  std::vector<std::thread> threads;
+  for (unsigned t = 0; t < 8; ++t) {
+    threads.emplace_back([t, &wrong] {
+      for (unsigned i = 0; i < 50; ++i) {
+        auto lease = backend()->acquire();
+        if (!lease) {
+          ++wrong;
+          continue;
+        }
+        const std::vector<unsigned> sent(100, t * 1000 + i);
+        Buffer buffer(lease.value().gl());
+        buffer.upload<unsigned>(sent);
+        std::vector<unsigned> got(sent.size());
+        buffer.read(got.data(), got.size() * sizeof(unsigned));
+        if (got != sent || !lease.value().check()) ++wrong;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(ContextPoolTest, ReplacesAContextThatWasLost) {
+  {
+    auto lease = backend()->acquire();
+    ASSERT_TRUE(lease.ok());
+    lease.value().data<Marks>();
+    Faults::reset = true;
+    const auto lost = lease.value().check();
+    ASSERT_FALSE(lost.ok());
+    EXPECT_EQ(lost.error().message, "the GPU was reset");
+    EXPECT_FALSE(lease.value().check().ok()) << "a lost context stays lost";
+  }
+  const int before = Marks::made;
+  for (int i = 0; i < 64 && Marks::made == before; ++i) {  // it is not among the idle ones
+    auto lease = backend()->acquire();
+    ASSERT_TRUE(lease.ok());
+    lease.value().data<Marks>();
+    EXPECT_TRUE(lease.value().check().ok());
+  }
+}
+
+TEST_F(ContextPoolTest, TellsWhenMemoryHasRunOut) {
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  Faults::out_of_memory = true;
+  const auto failed = lease.value().check();
+  ASSERT_FALSE(failed.ok());
+  EXPECT_EQ(failed.error().message, "GL_OUT_OF_MEMORY");
+}
+
+class BrokenPlatform final : public Platform {
+ public:
+  Result<std::unique_ptr<NativeContext>> createContext() override {
+    ++tried;
+    return Error{ErrorCode::kUnavailable, "eglCreateContext failed with 0x3003"};
+  }
+  GlProc (*finder() const)(const char*) override { return nullptr; }
+  int tried = 0;
+};
+
+TEST(ContextPool, AsksABrokenDriverLessAndLessOften) {
+  const auto broken = std::make_shared<BrokenPlatform>();
+  ContextPool pool(broken, 2);
+  for (int i = 0; i < 1000; ++i) {
+    const auto lease = pool.acquire();
+    ASSERT_FALSE(lease.ok());
+    EXPECT_EQ(lease.error().message, "eglCreateContext failed with 0x3003");
+  }
+  EXPECT_LT(broken->tried, 60);
+  EXPECT_GT(broken->tried, 5);
+}
+
+TEST_F(SelfTest, RefusesWrongArithmetic) {
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_TRUE(selfTest(lease.value().gl()).ok());
+  static decltype(GlTable::GetNamedBufferSubData) real = nullptr;
+  real = lease.value().gl().GetNamedBufferSubData;
+  GlTable wrong = lease.value().gl();
+  wrong.GetNamedBufferSubData = [](unsigned buffer, std::ptrdiff_t at, std::ptrdiff_t size,
+                                   void* data) {
+    real(buffer, at, size, data);
+    static_cast<unsigned char*>(data)[size / 2] ^= 1U;
+  };
+  const auto refused = selfTest(wrong);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().message, "its shaders do not round as IEEE 754 does");
+}
+
+TEST_F(SelfTest, QuotesTheCompiler) {
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  const auto program = Program::compute(lease.value().gl(), "#version 450 core\nno shader\n");
+  ASSERT_FALSE(program.ok());
+  EXPECT_EQ(program.error().message.find("a shader does not compile: "), 0U);
+}
+
+}  // namespace
+}  // namespace culld::gpu
