@@ -1,6 +1,7 @@
 // The table of all methods. Explicit: a static library drops objects that register themselves.
 // `auto` comes last: it chooses among the others.
 #include "culling/culler.h"
+#include "culling/methods/backface_clusters.h"
 #include "culling/methods/frustum.h"
 #include "culling/methods/horizon.h"
 #include "culling/methods/layers.h"
@@ -25,6 +26,7 @@ std::span<const Method* const> allMethods() noexcept {
       &polygonTilingMethod(),
       &layersMethod(),
       &horizonMethod(),
+      &backfaceClustersMethod(),
       &automatic,
   };
   return methods;

@@ -41,6 +41,16 @@ SheetObject sheetObjectOf(const SceneSnapshot& scene, const Instance& instance, 
           instance.world_from_mesh, largest,        nearest};
 }
 
+DrawnOccluder drawSheet(const SheetObject& object, const CellView& view,
+                        const glm::dvec3& camera_origin_world, const Deadline& deadline,
+                        SheetRasterizer& sheets, DepthCells& cells) {
+  const DrawnSheet sheet = sheets.draw(object, view, camera_origin_world, deadline, cells);
+  return {sheet.triangles,
+          kVertexNs * object.positions.size() + kTriangleNs * sheet.triangles +
+              kDrawingWorkNs * sheet.work,
+          sheet.out_of_time};
+}
+
 DrawnOccluder OccluderDrawing::draw(const Instance& instance, float nearest,
                                     std::uint64_t most_work_ns, DepthCells& cells) const {
   DrawnOccluder drawn;
@@ -81,11 +91,11 @@ void OccluderDrawing::drawSheet(const Instance& instance, float nearest, DepthCe
                                 DrawnOccluder& drawn) const {
   const SheetObject object =
       sheetObjectOf(scene_, instance, nearest, SheetParts::kBlocking, scratch_.surfaces);
-  const DrawnSheet sheet = scratch_.sheets.draw(object, view_, origin_world_, deadline_, cells);
+  const DrawnOccluder sheet =
+      culld::drawSheet(object, view_, origin_world_, deadline_, scratch_.sheets, cells);
   drawn.triangles += sheet.triangles;
-  drawn.work_ns += kVertexNs * object.positions.size() + kTriangleNs * sheet.triangles +
-                   kDrawingWorkNs * sheet.work;
-  drawn.cut_short = sheet.out_of_time;
+  drawn.work_ns += sheet.work_ns;
+  drawn.cut_short = sheet.cut_short;
 }
 
 }  // namespace culld

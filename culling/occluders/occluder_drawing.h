@@ -41,6 +41,12 @@ struct DrawnOccluder {
   bool cut_short = false;     ///< by time or work: less is covered, never more
 };
 
+/// An object's triangles as a sheet, or those of them that `object.surfaces` names: raises `cells`
+/// wherever they surely hide what is behind them, and prices the work.
+DrawnOccluder drawSheet(const SheetObject& object, const CellView& view,
+                        const glm::dvec3& camera_origin_world, const Deadline& deadline,
+                        SheetRasterizer& sheets, DepthCells& cells);
+
 /// The occluders of one frame. Keeps references to all that it is given.
 class OccluderDrawing {
  public:

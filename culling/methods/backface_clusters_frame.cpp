@@ -1,0 +1,136 @@
+#include "culling/methods/backface_clusters_frame.h"
+
+#include <algorithm>
+
+namespace culld {
+namespace {
+
+constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
+
+// Nanoseconds of counted work, after those of `raster`: rough.
+constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kEyeNs = 40, kRegionNs = 12;
+
+bool nearerFirst(const ImageItem& a, const ImageItem& b) {
+  if (a.nearest != b.nearest) return a.nearest > b.nearest;
+  return a.ref.objectId() < b.ref.objectId();
+}
+
+}  // namespace
+
+BackfaceClustersFrame::BackfaceClustersFrame(const BackfaceClustersScene& scene,
+                                             const BackfaceClustersOptions& options,
+                                             const Camera& camera, const Deadline& deadline,
+                                             const Demand& demand, BackfaceClustersMemory& memory)
+    : scene_(scene),
+      options_(options),
+      deadline_(deadline),
+      most_work_(demand.work),
+      memory_(memory),
+      view_(cellView(camera, gridFor(camera))),
+      walk_(camera, scene.bvh, view_),
+      eye_(volumeEye(camera)),
+      triangles_left_(options.most_triangles) {
+  memory_.cells.reset(view_.grid);
+  memory_.stack.clear();
+  memory_.occluders.clear();
+}
+
+/// False once time or work is used up; asks the clock every few items.
+bool BackfaceClustersFrame::mayGoOn() {
+  if (stopped_ || to_look_-- != 0) return !stopped_;
+  to_look_ = kItemsPerLook - 1;
+  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
+  return !stopped_;
+}
+
+std::chrono::nanoseconds BackfaceClustersFrame::work() const {
+  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
+                                  kEyeNs * eyes_ + kRegionNs * counts_.regions);
+}
+
+/// What blocks and is large enough on the image to fill a cell.
+void BackfaceClustersFrame::gatherOccluders() {
+  std::vector<ImageItem>& stack = memory_.stack;
+  walk_.pushRoots(stack);
+  while (!stack.empty() && mayGoOn()) {
+    const ImageItem item = stack.back();
+    stack.pop_back();
+    ++stats_.nodes_visited;
+    walk_.forEachChild(item, [&](const ImageItem& child, bool blocks, bool inside) {
+      if (!blocks || !inside || !largeEnough(child.rect)) return;
+      (child.ref.isObject() ? memory_.occluders : stack).push_back(child);
+    });
+  }
+  stack.clear();
+}
+
+/// Front to back: what is hidden by then adds nothing.
+void BackfaceClustersFrame::drawOccluders() {
+  gatherOccluders();
+  std::sort(memory_.occluders.begin(), memory_.occluders.end(), nearerFirst);
+  for (const ImageItem& item : memory_.occluders) {
+    if (!mayGoOn()) return;
+    if (!memory_.cells.certainlyHidden(item.rect, item.nearest)) draw(item);
+  }
+}
+
+void BackfaceClustersFrame::draw(const ImageItem& item) {
+  const Instance& instance = scene_.scene.instance(item.ref.objectId());
+  const Mesh& mesh = scene_.scene.mesh(instance.mesh);
+  const std::uint32_t triangles = mesh.blocking_triangles;
+  if (triangles > triangles_left_ || triangles > item.rect.cells()) return;
+  triangles_left_ -= triangles;
+  const FacingClusters& clusters = scene_.clusters[instance.mesh];
+  SheetObject object =
+      sheetObjectOf(scene_.scene, instance, item.nearest, SheetParts::kBlocking, memory_.surfaces);
+  std::optional<MeshEye> eye;
+  if (clusters.any()) {
+    object.triangles = clusters.triangles();
+    object.partners = clusters.partners();
+    if (options_.clusters) eye = meshEye(instance.world_from_mesh, eye_);
+    ++eyes_;
+  }
+  if (eye) {
+    memory_.surfaces.clear();
+    clusters.appendFacing(mesh, *eye, options_.hierarchy, memory_.surfaces, counts_);
+    if (memory_.surfaces.empty()) return;
+    object.surfaces = memory_.surfaces;
+  } else {
+    counts_.triangles += triangles;
+  }
+  const DrawnOccluder drawn =
+      drawSheet(object, view_, eye_.origin_world, deadline_, memory_.sheets, memory_.cells);
+  ++stats_.occluders_drawn;
+  stats_.triangles_drawn += drawn.triangles;
+  drawing_ns_ += drawn.work_ns;
+  stopped_ = stopped_ || drawn.cut_short;
+}
+
+/// Can no eye of the motion bound see any of the object?
+bool BackfaceClustersFrame::turnedAway(ObjectId id) {
+  const Instance& instance = scene_.scene.instance(id);
+  const FacingClusters& clusters = scene_.clusters[instance.mesh];
+  if (!clusters.oneSided()) return false;
+  ++eyes_;
+  const std::optional<MeshEye> eye = meshEye(instance.world_from_mesh, eye_);
+  return eye && clusters.turnedAway(*eye, options_.hierarchy, counts_);
+}
+
+bool BackfaceClustersFrame::hidden(const ImageItem& item) {
+  if (memory_.cells.certainlyHidden(item.rect, item.nearest)) return true;
+  return options_.objects && item.ref.isObject() && turnedAway(item.ref.objectId());
+}
+
+void BackfaceClustersFrame::run(Answer& answer) {
+  if (options_.occluders) drawOccluders();
+  walk_.appendUnhidden(
+      memory_.stack, [this] { return mayGoOn(); },
+      [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_, answer.visible);
+  answer.out_of_budget = stopped_;
+  if (!stopped_) stats_.in_frustum = in_frustum_;
+  stats_.plane_tests = counts_.regions;
+  stats_.work = work();
+  answer.stats = stats_;
+}
+
+}  // namespace culld

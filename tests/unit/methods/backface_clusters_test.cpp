@@ -1,0 +1,111 @@
+#include "culling/methods/backface_clusters.h"
+
+#include <gtest/gtest.h>
+
+#include "culling/scene/edit.h"
+#include "culling/scene/scene_builder.h"
+#include "tests/scenes/city.h"
+#include "tests/scenes/shapes.h"
+
+namespace culld {
+namespace {
+
+std::unique_ptr<Culler> prepared(const std::string& settings, const SnapshotPtr& scene) {
+  const Method* const table[] = {&backfaceClustersMethod()};
+  ConfiguredMethods methods(table);
+  const auto method = methods.find("backface-clusters" + settings);
+  EXPECT_TRUE(method.ok());
+  return method.value()->prepare(scene, steadyClock()).value();
+}
+
+/// Rows of balls, and between them walls that show their backs to an eye that looks down -z.
+SnapshotPtr gallery() {
+  scenes::Random random(1);
+  SceneBuilder builder;
+  const auto mesh = [&](const scenes::Triangles& t) {
+    return builder.addMesh(makeMesh({{t.positions, t.indices, true, false}}));
+  };
+  const MeshId ball = mesh(scenes::ball(16, 0.2, random));
+  const MeshId wall = mesh(scenes::quad({-1, -1, 0}, {0, 2, 0}, {2, 0, 0}));  // front to -z
+  std::uint32_t node = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int i = -10; i <= 10; ++i) {
+      const double x = 2.5 * i, z = -8.0 - 5.0 * row;
+      builder.addInstance(ball, {1, 0, 0, x, 0, 1, 0, 0, 0, 0, 1, z}, node++);
+      builder.addInstance(wall, {1, 0, 0, x, 0, 1, 0, 3, 0, 0, 1, z}, node++);
+    }
+  }
+  return builder.finish();
+}
+
+Answer look(const SnapshotPtr& scene, const std::string& settings, const Camera& camera) {
+  ViewState view;
+  return prepared(settings, scene)->cull(camera, {}, view);
+}
+
+Camera ahead() { return cameraFromLookAt({}, {}).value(); }
+
+TEST(BackfaceClusters, LeavesOutObjectsThatTurnAway) {
+  const SnapshotPtr scene = gallery();
+  const Answer all = look(scene, ":objects=off:occluders=off", ahead());
+  const Answer fewer = look(scene, ":occluders=off", ahead());
+  EXPECT_EQ(all.stats.occluded, 0U);
+  EXPECT_GT(fewer.stats.occluded, 20U);
+  EXPECT_EQ(fewer.visible.size() + fewer.stats.occluded, all.visible.size());
+  EXPECT_EQ(fewer.stats.in_frustum, all.stats.in_frustum);
+}
+
+TEST(BackfaceClusters, LeavesOutClustersOfOccludersAndAnswersTheSame) {
+  const SnapshotPtr scene = gallery();
+  const Answer whole = look(scene, ":clusters=off", ahead()), parts = look(scene, "", ahead());
+  EXPECT_EQ(parts.visible, whole.visible);
+  EXPECT_EQ(parts.stats.triangles_drawn, whole.stats.triangles_drawn);
+  EXPECT_LT(parts.stats.work, whole.stats.work);  // as fewer triangles were asked one by one
+  EXPECT_GT(parts.stats.occluders_drawn, 10U);
+}
+
+TEST(BackfaceClusters, HidesWhatOccludersCover) {
+  const SnapshotPtr scene = gallery();
+  const Answer none = look(scene, ":occluders=off", ahead()), some = look(scene, "", ahead());
+  EXPECT_GT(some.stats.occluders_drawn, 10U);
+  EXPECT_LT(some.visible.size(), none.visible.size());
+}
+
+TEST(BackfaceClusters, TheHierarchyAsksFewerClusters) {
+  const SnapshotPtr scene = gallery();
+  const Answer from_top = look(scene, "", ahead()), leaves = look(scene, ":hierarchy=off", ahead());
+  EXPECT_EQ(from_top.visible, leaves.visible);
+  EXPECT_LT(from_top.stats.plane_tests, leaves.stats.plane_tests);
+}
+
+TEST(BackfaceClusters, KeepsWhatAnEyeWithinTheMotionBoundMaySee) {
+  const SnapshotPtr scene = gallery();
+  Camera camera = ahead();
+  camera.motion.radius_m = 100.0;
+  EXPECT_EQ(look(scene, ":occluders=off", camera).stats.occluded, 0U);
+}
+
+TEST(BackfaceClusters, AWallThatIsTurnedRoundIsSeen) {
+  const SnapshotPtr scene = gallery();
+  const auto culler = prepared(":occluders=off", scene);
+  ViewState view;
+  const std::size_t before = culler->cull(ahead(), {}, view).visible.size();
+  const Edit turned = MoveObject{21, {-1, 0, 0, 0, 0, 1, 0, 3, 0, 0, -1, -8}};  // in the middle
+  const EditedScene edited = applyEdits(scene, {&turned, 1}).value();
+  const auto next = culler->edited(edited.snapshot, edited.changed).value();
+  EXPECT_EQ(next->cull(ahead(), {}, view).visible.size(), before + 1);
+}
+
+TEST(BackfaceClusters, AnswersTheSameWhateverAViewRemembers) {
+  const scenes::City city = scenes::generateCity({.seed = 2, .objects = 2'000, .frames = 12});
+  const auto culler = prepared("", scenes::toSnapshot(city.model));
+  ViewState kept;
+  for (const scenes::CameraSpec& spec : city.cameras) {
+    const Camera camera = scenes::toCamera(spec).value();
+    ViewState fresh;
+    EXPECT_EQ(culler->cull(camera, {}, kept).visible, culler->cull(camera, {}, fresh).visible);
+  }
+}
+
+}  // namespace
+}  // namespace culld
