@@ -108,6 +108,9 @@ json leftOutJson(const SceneSnapshot& scene, const Plan& plan) {
     out.push_back(line("occlusion (" + std::string(plan.occlusion->info().name) + ")",
                        plan.why + "; not built, built if a view's retry asks for it"));
   }
+  for (const StageLeftOut& other : plan.others) {
+    out.push_back(line(std::string(other.name), other.why));
+  }
   out.push_back(line("normals, colours, texture coordinates, materials",
                      "no stage needs them: only positions are kept of what a file holds"));
   return out;

@@ -15,7 +15,11 @@
 namespace culld {
 
 std::span<const Method* const> allMethods() noexcept {
-  static const Method* const stages[] = {&frustumMethod(), &rasterMethod()};
+  static const Method* const volumes[] = {&occluderVolumesMethod()};
+  static ConfiguredMethods configured(volumes);
+  // Hulls are most of what volumes cost to prepare, and seldom what hides.
+  static const Method* const stages[] = {&frustumMethod(), &rasterMethod(), &horizonMethod(),
+                                         configured.find("occluder-volumes:hulls=off").value()};
   static const AutoMethod automatic(stages);
   static const Method* const methods[] = {
       stages[0],

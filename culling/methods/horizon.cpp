@@ -90,6 +90,12 @@ class HorizonMethod final : public Method {
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
     return HorizonCuller::around(PreparedBoxes::of(std::move(scene)), parts_, clock);
   }
+  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
+                                                const Clock& clock) const override {
+    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
+    if (lender == nullptr) return prepare(std::move(scene), clock);
+    return HorizonCuller::around(lender->boxes(), parts_, clock);
+  }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {
     return std::make_unique<const HorizonMethod>(partsOf(values));

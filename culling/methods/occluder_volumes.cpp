@@ -96,6 +96,12 @@ class OccluderVolumesMethod final : public Method {
     return OccluderVolumesCuller::around(PreparedBoxes::of(std::move(scene)), std::move(occluders),
                                          options_, clock);
   }
+  Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
+                                                const Clock& clock) const override {
+    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
+    if (lender == nullptr) return prepare(std::move(scene), clock);
+    return OccluderVolumesCuller::around(lender->boxes(), occludersOf(*scene), options_, clock);
+  }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {
     return std::make_unique<const OccluderVolumesMethod>(values);

@@ -1,6 +1,8 @@
 #include "culling/planner/auto_method.h"
 
+#include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -10,8 +12,8 @@
 namespace culld {
 namespace {
 
-/// What a view of an `auto` culler keeps. The watch outlives edits of the scene; what the stages
-/// keep does not.
+/// What a view of an `auto` culler keeps. The watch outlives edits of the scene while the plan
+/// does; what the stages keep does not.
 struct AutoMemory final : ViewState::Memory {
   bool sceneEdited() override {
     frustum = ViewState();
@@ -22,10 +24,28 @@ struct AutoMemory final : ViewState::Memory {
   ViewState frustum, occlusion;
 };
 
+/// Objects shown of those that an edit touched.
+std::int64_t shownOf(const SceneSnapshot& scene, std::span<const ObjectId> changed) {
+  return std::count_if(changed.begin(), changed.end(), [&](ObjectId id) {
+    return id < scene.objectCount() && scene.instance(id).active();
+  });
+}
+
+/// Twice or half of what was planned for is another scene; a few objects more or less never are.
+bool outgrown(std::uint64_t planned, std::int64_t shown) {
+  constexpr std::int64_t kFew = 100;
+  const auto before = static_cast<std::int64_t>(planned);
+  return std::abs(shown - before) > kFew && (shown > 2 * before || 2 * shown < before);
+}
+
 class AutoCuller final : public Culler {
  public:
-  AutoCuller(SnapshotPtr scene, PreparedPlan prepared, const Clock& clock)
-      : scene_(std::move(scene)),
+  /// `shown`: objects of the scene that are shown.
+  AutoCuller(std::span<const Method* const> stages, SnapshotPtr scene, std::int64_t shown,
+             PreparedPlan prepared, const Clock& clock)
+      : stages_(stages),
+        scene_(std::move(scene)),
+        shown_(shown),
         plan_(std::move(prepared.plan)),
         frustum_(std::move(prepared.frustum)),
         occlusion_(std::move(prepared.occlusion)),
@@ -42,6 +62,10 @@ class AutoCuller final : public Culler {
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                          std::span<const ObjectId> changed) const override {
+    const std::int64_t shown = shown_ - shownOf(*scene_, changed) + shownOf(*next, changed);
+    if (outgrown(plan_->profile.objects, shown)) {
+      if (auto anew = planned(stages_, next, clock_)) return anew;
+    }
     PreparedPlan prepared;
     prepared.plan = plan_;
     auto frustum = frustum_->edited(next, changed);
@@ -53,7 +77,17 @@ class AutoCuller final : public Culler {
       if (occlusion) prepared.occlusion = std::move(occlusion).value();
     }
     return std::unique_ptr<Culler>(
-        std::make_unique<AutoCuller>(std::move(next), std::move(prepared), clock_));
+        std::make_unique<AutoCuller>(stages_, std::move(next), shown, std::move(prepared), clock_));
+  }
+
+  /// For a scene that nothing is known of.
+  static Result<std::unique_ptr<Culler>> planned(std::span<const Method* const> stages,
+                                                 SnapshotPtr scene, const Clock& clock) {
+    auto prepared = makePlan(scene, stages, clock);
+    if (!prepared) return std::move(prepared).error();
+    const auto shown = static_cast<std::int64_t>(prepared.value().plan->profile.objects);
+    return std::unique_ptr<Culler>(std::make_unique<AutoCuller>(
+        stages, std::move(scene), shown, std::move(prepared).value(), clock));
   }
 
   /// Stages that share what they prepared are each counted in full.
@@ -70,7 +104,7 @@ class AutoCuller final : public Culler {
     if (plan_->occlusion == nullptr) {
       return frustumAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
     }
-    if (!memory.watch) memory.watch.emplace(plan_);
+    if (!memory.watch || !memory.watch->follows(*plan_)) memory.watch.emplace(plan_);
     const Culler* occlusion = memory.watch->wantsOcclusion(camera) ? occlusionCuller() : nullptr;
     if (occlusion == nullptr) {
       Answer answer = frustumAnswer(camera, demand, memory, "no occlusion: it does not pay here");
@@ -112,7 +146,9 @@ class AutoCuller final : public Culler {
     return occlusion_.get();
   }
 
+  std::span<const Method* const> stages_;
   SnapshotPtr scene_;
+  std::int64_t shown_;
   std::shared_ptr<const Plan> plan_;
   std::unique_ptr<Culler> frustum_;
   mutable std::mutex building_;
@@ -135,10 +171,7 @@ Result<void> AutoMethod::accepts(const SceneProfile& profile) const {
 }
 
 Result<std::unique_ptr<Culler>> AutoMethod::prepare(SnapshotPtr scene, const Clock& clock) const {
-  auto prepared = makePlan(scene, stages_, clock);
-  if (!prepared) return std::move(prepared).error();
-  return std::unique_ptr<Culler>(
-      std::make_unique<AutoCuller>(std::move(scene), std::move(prepared).value(), clock));
+  return AutoCuller::planned(stages_, std::move(scene), clock);
 }
 
 const Plan* planOf(const Culler& culler) noexcept {

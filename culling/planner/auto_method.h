@@ -9,7 +9,7 @@ namespace culld {
 
 class AutoMethod final : public Method {
  public:
-  /// Chooses among `stages`, which must outlive it.
+  /// Chooses among `stages`, which must outlive it and its cullers.
   explicit AutoMethod(std::span<const Method* const> stages) : stages_(stages) {}
 
   MethodInfo info() const noexcept override;

@@ -37,12 +37,42 @@ PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culle
   return view;
 }
 
-void lookAround(const SceneSnapshot& scene, const Culler& frustum, const Culler& occlusion,
-                Plan& plan) {
-  for (const SampledView& view : sampleViews(scene, kMostViews)) {
-    if (plan.views.size() >= kLeastViews && plan.planning_work > kMostWork) break;
-    plan.views.push_back(lookThrough(view.camera, frustum, occlusion, plan.object_price));
-    plan.planning_work += plan.views.back().frustum_work + plan.views.back().occlusion_work;
+nanoseconds mean(std::span<const PlannedView> views, nanoseconds PlannedView::*part) {
+  nanoseconds sum{0};
+  for (const PlannedView& view : views) sum += view.*part;
+  return views.empty() ? sum : sum / std::ssize(views);
+}
+
+/// A method in the place of the occlusion stage.
+struct Candidate {
+  const Method* method = nullptr;
+  std::unique_ptr<Culler> culler;
+  std::vector<PlannedView> views;
+  nanoseconds work{0};  ///< of looking through them, both stages
+};
+
+/// What `one` brings a view more than `other`, in the views that both looked through, each left
+/// out where it does not pay: there the watch switches it off.
+nanoseconds advantage(const Candidate& one, const Candidate& other) {
+  const std::size_t both = std::min(one.views.size(), other.views.size());
+  nanoseconds sum{0};
+  for (std::size_t i = 0; i < both; ++i) {
+    sum += std::max(one.views[i].gain, nanoseconds{0});
+    sum -= std::max(other.views[i].gain, nanoseconds{0});
+  }
+  return both == 0 ? sum : sum / static_cast<std::int64_t>(both);
+}
+
+std::string nameOf(const Candidate& candidate) {
+  return std::string(candidate.method->info().name);
+}
+
+void lookAround(std::span<const SampledView> sampled, const Culler& frustum,
+                nanoseconds object_price, Candidate& candidate) {
+  for (const SampledView& view : sampled) {
+    if (candidate.views.size() >= kLeastViews && candidate.work > kMostWork) break;
+    candidate.views.push_back(lookThrough(view.camera, frustum, *candidate.culler, object_price));
+    candidate.work += candidate.views.back().frustum_work + candidate.views.back().occlusion_work;
   }
 }
 
@@ -65,32 +95,71 @@ std::string verdict(const Plan& plan) {
          " a view on average";
 }
 
-/// Prepares the occlusion stage and looks through it. Sampled views are guesses at what clients
-/// will ask, so it is kept if it pays in nearly half of them and on the whole.
-Result<Done> tryOcclusion(const SnapshotPtr& scene, const Clock& clock, Plan& plan,
-                          PreparedPlan& prepared) {
-  auto occlusion = plan.occlusion->prepareBeside(*prepared.frustum, scene, clock);
-  if (!occlusion) return std::move(occlusion).error();
-  lookAround(*scene, *prepared.frustum, *occlusion.value(), plan);
+/// A tenth of what the answers cost, with their objects, is the candidate's work at most: whatever
+/// hides as much for no work at all would hardly be worth more.
+bool costsLittle(const Candidate& candidate, nanoseconds object_price) {
+  nanoseconds work{0}, sent{0};
+  for (const PlannedView& view : candidate.views) {
+    work += view.occlusion_work;
+    sent += object_price * view.visible;
+  }
+  return 10 * work <= work + sent;
+}
+
+/// The first of `stages`, and one after another those that may bring more, prepared and looked
+/// through; the best stays. Its `culler` is none if none can be prepared.
+Candidate tryStages(std::span<const Method* const> stages, const SnapshotPtr& scene,
+                    const Culler& frustum, const Clock& clock, Plan& plan) {
+  const std::vector<SampledView> sampled = sampleViews(*scene, kMostViews);
+  Candidate best;
+  std::vector<Candidate> worse;
+  for (const Method* method : stages) {
+    const std::string_view name = method->info().name;
+    if (best.culler && costsLittle(best, plan.object_price)) {
+      plan.others.push_back({name, "not tried: " + nameOf(best) + " costs too little to save"});
+      continue;
+    }
+    auto culler = method->prepareBeside(frustum, scene, clock);
+    if (!culler) {
+      plan.others.push_back({name, culler.error().message});
+      continue;
+    }
+    Candidate next{method, std::move(culler).value(), {}, {}};
+    lookAround(sampled, frustum, plan.object_price, next);
+    if (!best.culler || advantage(next, best).count() > 0) std::swap(best, next);
+    if (!next.culler) continue;
+    next.culler.reset();
+    worse.push_back(std::move(next));
+  }
+  for (const Candidate& one : worse) {
+    plan.others.push_back({one.method->info().name, "brings " + inMs(advantage(best, one)) +
+                                                        " a view less than " + nameOf(best)});
+  }
+  return best;
+}
+
+/// Sampled views are guesses at what clients will ask, so the stage is built if it pays in nearly
+/// half of them and on the whole.
+void decide(Candidate best, Plan& plan, PreparedPlan& prepared) {
+  if (!best.culler) {
+    plan.why = "no other conservative method is for this scene";
+    return;
+  }
+  plan.occlusion = best.method;
+  plan.views = std::move(best.views);
+  plan.planning_work = best.work;
   plan.occlusion_built =
       20 * viewsThatPay(plan) >= 9 * std::ssize(plan.views) && plan.meanGain().count() > 0;
   plan.why = verdict(plan);
-  if (plan.occlusion_built) prepared.occlusion = std::move(occlusion).value();
-  return Done{};
+  if (plan.occlusion_built) prepared.occlusion = std::move(best.culler);
 }
 
 }  // namespace
 
-nanoseconds Plan::meanGain() const noexcept {
-  nanoseconds sum{0};
-  for (const PlannedView& view : views) sum += view.gain;
-  return views.empty() ? sum : sum / static_cast<std::int64_t>(views.size());
-}
+nanoseconds Plan::meanGain() const noexcept { return mean(views, &PlannedView::gain); }
 
 nanoseconds Plan::meanOcclusionWork() const noexcept {
-  nanoseconds sum{0};
-  for (const PlannedView& view : views) sum += view.occlusion_work;
-  return views.empty() ? sum : sum / static_cast<std::int64_t>(views.size());
+  return mean(views, &PlannedView::occlusion_work);
 }
 
 Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method* const> methods) {
@@ -98,18 +167,23 @@ Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method*
   for (const Method* method : methods) {
     const MethodInfo info = method->info();
     if (info.guarantee != Guarantee::kConservative) continue;
-    const Method*& place = info.needs == kBoxes ? found.frustum : found.occlusion;
-    if (place != nullptr) continue;
-    if (auto accepted = method->accepts(profile); accepted) {
-      place = method;
+    if (auto accepted = method->accepts(profile); !accepted) {
+      found.refused.push_back({info.name, accepted.error().message});
+    } else if (found.frustum == nullptr && info.needs == kBoxes) {
+      found.frustum = method;
     } else {
-      found.refusals += "; " + std::string(info.name) + ": " + accepted.error().message;
+      found.occlusion.push_back(method);
     }
   }
-  if (found.frustum == nullptr) std::swap(found.frustum, found.occlusion);
+  if (found.frustum == nullptr && !found.occlusion.empty()) {
+    found.frustum = found.occlusion.front();
+    found.occlusion.erase(found.occlusion.begin());
+  }
   if (found.frustum != nullptr) return found;
-  return Error{ErrorCode::kUnsupported,
-               "no conservative method is for this scene" + found.refusals};
+  std::string refusals;
+  for (const StageLeftOut& one : found.refused)
+    refusals += "; " + std::string(one.name) + ": " + one.why;
+  return Error{ErrorCode::kUnsupported, "no conservative method is for this scene" + refusals};
 }
 
 Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* const> methods,
@@ -117,8 +191,8 @@ Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* 
   Plan plan;
   plan.profile = profileScene(*scene);
   plan.object_price = meanObjectPrice(plan.profile);
-  const auto stages = chooseStages(plan.profile, methods);
-  if (!stages) return stages.error();
+  auto stages = chooseStages(plan.profile, methods);
+  if (!stages) return std::move(stages).error();
   plan.frustum = stages.value().frustum;
   PreparedPlan prepared;
   auto frustum = plan.frustum->prepare(scene, clock);
@@ -126,14 +200,10 @@ Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* 
   prepared.frustum = std::move(frustum).value();
   if (plan.profile.blocking_triangles == 0) {
     plan.why = "nothing in the scene blocks a view";
-  } else if (stages.value().occlusion == nullptr) {
-    plan.why = "no other conservative method is for this scene" + stages.value().refusals;
   } else {
-    plan.occlusion = stages.value().occlusion;
-    if (auto tried = tryOcclusion(scene, clock, plan, prepared); !tried) {
-      plan.occlusion = nullptr;
-      plan.why = tried.error().message;
-    }
+    plan.others = std::move(stages.value().refused);
+    decide(tryStages(stages.value().occlusion, scene, *prepared.frustum, clock, plan), plan,
+           prepared);
   }
   prepared.plan = std::make_shared<const Plan>(std::move(plan));
   return prepared;

@@ -21,15 +21,23 @@ struct PlannedView {
   std::chrono::nanoseconds gain{0};
 };
 
+/// A method that could have been the occlusion stage.
+struct StageLeftOut {
+  std::string_view name;
+  std::string why;
+};
+
 struct Plan {
   SceneProfile profile;
   std::chrono::nanoseconds object_price{0};  ///< of sending one object more
   const Method* frustum = nullptr;           ///< always there: the cheapest conservative method
-  const Method* occlusion = nullptr;  ///< what may be switched on; none: nothing could ever pay
-  bool occlusion_built = false;  ///< it pays in nearly half of the sampled views: built at once
-  std::string why;               ///< one line, on the occlusion stage
-  std::vector<PlannedView> views;
-  std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through all views
+  /// What may be switched on: of the others the one that brings most. None: nothing could ever pay.
+  const Method* occlusion = nullptr;
+  bool occlusion_built = false;      ///< it pays in nearly half of the sampled views: built at once
+  std::string why;                   ///< one line, on the occlusion stage
+  std::vector<StageLeftOut> others;  ///< which could have been that stage
+  std::vector<PlannedView> views;    ///< with `occlusion`
+  std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through them
 
   std::chrono::nanoseconds meanGain() const noexcept;
   std::chrono::nanoseconds meanOcclusionWork() const noexcept;
@@ -43,17 +51,17 @@ struct PreparedPlan {
 };
 
 struct Stages {
-  const Method* frustum = nullptr;    ///< the first that needs boxes only, if there is one
-  const Method* occlusion = nullptr;  ///< the first other one; none: there is no choice
-  std::string refusals;               ///< "; NAME: why not" of each that declined the scene
+  const Method* frustum = nullptr;       ///< the first that needs boxes only, if there is one
+  std::vector<const Method*> occlusion;  ///< the others, in their order
+  std::vector<StageLeftOut> refused;     ///< those that declined the scene
 };
 
 /// Of the conservative methods among `methods` that accept the scene.
 /// ERROR: kUnsupported: there is none.
 Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method* const> methods);
 
-/// GUARANTEES: the same plan on every machine. COST: preparing both and
-/// looking through at most 32 views, stopped after 100 ms of counted work.
+/// GUARANTEES: the same plan on every machine. COST: preparing each stage that is tried and looking
+/// through at most 32 views with it, stopped after 100 ms of counted work.
 /// ERROR: as chooseStages().
 Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* const> methods,
                               const Clock& clock);

@@ -28,6 +28,7 @@ class Watch {
   void sawOcclusion(const WatchedFrame& frame);
   void sawFrustum(const WatchedFrame& frame);
 
+  bool follows(const Plan& plan) const noexcept { return plan_.get() == &plan; }
   /// Frames with the stage while it was switched off, and their work.
   std::uint32_t retries() const noexcept { return retries_; }
   std::uint32_t switches() const noexcept { return switches_; }

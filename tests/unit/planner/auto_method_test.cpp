@@ -99,11 +99,51 @@ TEST(AutoMethod, GoesOnWithoutAStageThatDeclinesOrFails) {
   declines.refusal = "too many triangles";
   fails.fails_to_prepare = true;
   const Method* with_declined[] = {&frustum, &declines};
-  EXPECT_NE(
-      planOf(*prepared(with_declined, rowOfObjects(kObjects)))->why.find("too many triangles"),
-      std::string::npos);
   const Method* with_failed[] = {&frustum, &fails};
-  EXPECT_EQ(planOf(*prepared(with_failed, rowOfObjects(kObjects)))->why, "no memory");
+  for (const auto& [stages, why] : {std::pair(std::span(with_declined), "too many triangles"),
+                                    std::pair(std::span(with_failed), "no memory")}) {
+    const auto culler = prepared(stages, rowOfObjects(kObjects));
+    const Plan& plan = *planOf(*culler);
+    EXPECT_EQ(plan.occlusion, nullptr);
+    EXPECT_EQ(plan.why, "no other conservative method is for this scene");
+    ASSERT_EQ(plan.others.size(), 1U);
+    EXPECT_EQ(plan.others[0].name, "hider");
+    EXPECT_EQ(plan.others[0].why, why);
+  }
+}
+
+/// Hides `hidden` objects in `work`.
+CountedMethod stage(const char* name, std::uint32_t hidden, std::chrono::microseconds work) {
+  return {name, "triangles", [=](const Camera&) {
+            return CountedFrame{work, kObjects, kObjects - hidden};
+          }};
+}
+
+TEST(AutoMethod, TakesOfManyStagesTheOneThatBringsMost) {
+  using std::chrono::milliseconds;
+  const CountedMethod frustum = boxes(), dear = stage("dear", 900, milliseconds(40)),
+                      weak = stage("weak", 100, milliseconds(1)),
+                      good = stage("good", 850, milliseconds(5));
+  for (const std::array<const Method*, 4>& stages :
+       {std::array<const Method*, 4>{&frustum, &dear, &weak, &good},
+        {&good, &weak, &dear, &frustum}}) {
+    const auto culler = prepared(stages, rowOfObjects(kObjects));
+    const Plan& plan = *planOf(*culler);
+    EXPECT_EQ(plan.occlusion, &good);
+    EXPECT_EQ(plan.others.size(), 2U);
+    ViewState view;
+    EXPECT_EQ(culler->cull(at(0), {}, view).made_by, "good");
+    EXPECT_EQ(dear.alive + weak.alive, 0) << "what is not used is not kept";
+  }
+}
+
+TEST(AutoMethod, TriesNoOtherStageIfTheFirstCostsNextToNothing) {
+  const CountedMethod frustum = boxes(), hider = hiding(100), other = hiding(500);
+  const Method* stages[] = {&frustum, &hider, &other};
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
+  EXPECT_EQ(other.prepared, 0);
+  ASSERT_EQ(planOf(*culler)->others.size(), 1U);
+  EXPECT_EQ(planOf(*culler)->others[0].why, "not tried: hider costs too little to save");
 }
 
 TEST(AutoMethod, IsAnErrorIfNoConservativeMethodIsLeft) {
@@ -196,6 +236,40 @@ TEST(AutoMethod, RefitsWhatItHasBuiltAndKeepsItsPlan) {
   const auto both = prepared(with, scene);
   ASSERT_TRUE(both->edited(edit.value().snapshot, edit.value().changed).ok());
   EXPECT_EQ(good.refitted, 1);
+}
+
+TEST(AutoMethod, PlansAnewForASceneTwiceOrHalfAsLarge) {
+  const CountedMethod frustum = boxes(), good = hiding(900);
+  const Method* stages[] = {&frustum, &good};
+  SnapshotPtr scene = rowOfObjects(kObjects);
+  std::unique_ptr<Culler> culler = prepared(stages, scene);
+  ViewState view;
+  const auto hide = [&](ObjectId from, ObjectId to) {
+    std::vector<Edit> edits;
+    for (ObjectId id = from; id < to; ++id) edits.push_back(HideObject{id});
+    auto next = applyEdits(scene, edits);
+    ASSERT_TRUE(next.ok());
+    auto edited = culler->edited(next.value().snapshot, next.value().changed);
+    ASSERT_TRUE(edited.ok());
+    scene = next.value().snapshot;
+    culler = std::move(edited).value();
+    view.sceneEdited();
+    EXPECT_FALSE(culler->cull(at(0), {}, view).visible.empty());
+  };
+  hide(0, 300);
+  hide(100, 450);
+  EXPECT_EQ(good.prepared, 1);
+  EXPECT_EQ(planOf(*culler)->profile.objects, kObjects);
+  hide(450, 501);
+  EXPECT_EQ(good.prepared, 2);
+  EXPECT_EQ(planOf(*culler)->profile.objects, kObjects - 501);
+  std::vector<Edit> shown;
+  for (ObjectId id = 0; id < 501; ++id) shown.push_back(ShowObject{id});
+  const auto all = applyEdits(scene, shown);
+  ASSERT_TRUE(all.ok());
+  const auto grown = culler->edited(all.value().snapshot, all.value().changed);
+  ASSERT_TRUE(grown.ok());
+  EXPECT_EQ(planOf(*grown.value())->profile.objects, kObjects);
 }
 
 }  // namespace
