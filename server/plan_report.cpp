@@ -42,9 +42,10 @@ json sceneJson(const SceneSnapshot& scene, const SceneProfile& profile) {
 }
 
 json viewsJson(const Plan& plan) {
-  std::vector<double> in_frustum, visible, gain_us;
+  std::vector<double> in_frustum, base, visible, gain_us;
   for (const PlannedView& view : plan.views) {
     in_frustum.push_back(view.in_frustum);
+    base.push_back(view.base_visible);
     visible.push_back(view.visible);
     gain_us.push_back(us(view.gain));
   }
@@ -57,11 +58,12 @@ json viewsJson(const Plan& plan) {
   return {{"sampled", plan.views.size()},
           {"counted_work_ms", 1e-3 * us(plan.planning_work)},
           {"in_frustum", mean(in_frustum)},
+          {"answered_without_occlusion", mean(base)},
           {"answered_with_occlusion", mean(visible)},
           {"occlusion_work_us", us(plan.meanOcclusionWork())},
           {"occlusion_pays_in", pays},
           {"occlusion_gain_us", mean(gain_us)},
-          {"occlusion_gain_at_most_us", us(plan.object_price) * mean(in_frustum)}};
+          {"occlusion_gain_at_most_us", us(plan.object_price) * mean(base)}};
 }
 
 /// Over all pixels of all views.
@@ -90,8 +92,9 @@ json line(const std::string& what, const std::string& why) {
 
 json usedJson(const SceneSnapshot& scene, const Plan& plan, const Culler& culler) {
   const bool flat = scene.objectCount() <= WideBvh::kFewObjects;
-  json used = json::array({line(std::string(plan.frustum->info().name),
-                                flat ? "a flat list of boxes" : "a hierarchy")});
+  std::string why = flat ? "a flat list of boxes" : "a hierarchy";
+  if (!plan.why_base.empty()) why += "; " + plan.why_base;
+  json used = json::array({line(std::string(plan.base->info().name), why)});
   if (plan.occlusion_built)
     used.push_back(line(std::string(plan.occlusion->info().name), plan.why));
   return {{"stages", used}, {"prepared_bytes", culler.preparedBytes()}};
@@ -151,7 +154,7 @@ Result<json> camerasJson(const SnapshotPtr& scene, const Plan& plan, const Culle
                          std::span<const Camera> cameras) {
   std::vector<std::unique_ptr<Culler>> owned;
   std::vector<Contender> contenders;
-  for (const Method* method : {plan.frustum, plan.occlusion}) {
+  for (const Method* method : {plan.base, plan.occlusion}) {
     if (method == nullptr) continue;
     auto culler = method->prepare(scene);
     if (!culler) return std::move(culler).error();

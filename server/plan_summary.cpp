@@ -10,7 +10,7 @@ std::optional<PlanSummary> summarizePlan(const SceneVersion& version) {
   const Plan* plan = culler == nullptr ? nullptr : planOf(*culler);
   if (plan == nullptr) return std::nullopt;
   PlanSummary summary;
-  summary.stages.push_back(plan->frustum->info().name);
+  summary.stages.push_back(plan->base->info().name);
   if (plan->occlusion != nullptr) summary.stages.push_back(plan->occlusion->info().name);
   summary.occlusion = plan->occlusion == nullptr ? "left out"
                       : plan->occlusion_built    ? "on"

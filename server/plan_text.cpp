@@ -49,8 +49,9 @@ void viewsText(const json& report, std::ostream& out) {
   if (views["sampled"].get<int>() == 0) return;
   out << "  sampled views      " << count(views["sampled"]) << ", for "
       << number(views["counted_work_ms"]) << " ms of counted work: " << number(views["in_frustum"])
-      << " objects in the frustum, " << number(views["answered_with_occlusion"])
-      << " left by occlusion\n";
+      << " objects in the frustum, " << number(views["answered_without_occlusion"])
+      << " answered without occlusion, " << number(views["answered_with_occlusion"])
+      << " with it\n";
   const json& prices = report["prices"];
   out << "  occlusion          costs " << number(views["occlusion_work_us"])
       << " us a view, pays in " << count(views["occlusion_pays_in"]) << " of them and brings "

@@ -12,7 +12,7 @@ namespace {
 std::vector<std::uint8_t> unpackBits(const std::vector<std::uint8_t>& bits, std::size_t count) {
   std::vector<std::uint8_t> flags(count);
   for (std::size_t i = 0; i < count; ++i) {
-    flags[i] = static_cast<std::uint8_t>((bits[i / 8] >> (i % 8)) & 1U);
+    flags[i] = static_cast<std::uint8_t>((static_cast<unsigned>(bits[i / 8]) >> (i % 8)) & 1U);
   }
   return flags;
 }

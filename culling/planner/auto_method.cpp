@@ -16,12 +16,12 @@ namespace {
 /// does; what the stages keep does not.
 struct AutoMemory final : ViewState::Memory {
   bool sceneEdited() override {
-    frustum = ViewState();
+    base = ViewState();
     occlusion = ViewState();
     return true;
   }
   std::optional<Watch> watch;
-  ViewState frustum, occlusion;
+  ViewState base, occlusion;
 };
 
 /// Objects shown of those that an edit touched.
@@ -47,7 +47,7 @@ class AutoCuller final : public Culler {
         scene_(std::move(scene)),
         shown_(shown),
         plan_(std::move(prepared.plan)),
-        frustum_(std::move(prepared.frustum)),
+        base_(std::move(prepared.base)),
         occlusion_(std::move(prepared.occlusion)),
         occlusion_ready_(occlusion_ != nullptr),
         clock_(clock) {}
@@ -68,9 +68,9 @@ class AutoCuller final : public Culler {
     }
     PreparedPlan prepared;
     prepared.plan = plan_;
-    auto frustum = frustum_->edited(next, changed);
-    if (!frustum) return std::move(frustum).error();
-    prepared.frustum = std::move(frustum).value();
+    auto base = base_->edited(next, changed);
+    if (!base) return std::move(base).error();
+    prepared.base = std::move(base).value();
     if (occlusion_ready_.load(std::memory_order_acquire)) {
       // A stage that cannot follow is built anew when it is next wanted.
       auto occlusion = occlusion_->edited(next, changed);
@@ -92,7 +92,7 @@ class AutoCuller final : public Culler {
 
   /// Stages that share what they prepared are each counted in full.
   std::size_t preparedBytes() const noexcept override {
-    std::size_t bytes = frustum_->preparedBytes();
+    std::size_t bytes = base_->preparedBytes();
     if (occlusion_ready_.load(std::memory_order_acquire)) bytes += occlusion_->preparedBytes();
     return bytes;
   }
@@ -102,13 +102,13 @@ class AutoCuller final : public Culler {
  private:
   Answer cullWith(const Camera& camera, const Demand& demand, AutoMemory& memory) const {
     if (plan_->occlusion == nullptr) {
-      return frustumAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
+      return baseAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
     }
     if (!memory.watch || !memory.watch->follows(*plan_)) memory.watch.emplace(plan_);
     const Culler* occlusion = memory.watch->wantsOcclusion(camera) ? occlusionCuller() : nullptr;
     if (occlusion == nullptr) {
-      Answer answer = frustumAnswer(camera, demand, memory, "no occlusion: it does not pay here");
-      memory.watch->sawFrustum(watched(answer));
+      Answer answer = baseAnswer(camera, demand, memory, "no occlusion: it does not pay here");
+      memory.watch->sawBase(watched(answer));
       return answer;
     }
     Answer answer = occlusion->cull(camera, demand, memory.occlusion);
@@ -117,10 +117,10 @@ class AutoCuller final : public Culler {
     return answer;
   }
 
-  Answer frustumAnswer(const Camera& camera, const Demand& demand, AutoMemory& memory,
-                       const char* why) const {
-    Answer answer = frustum_->cull(camera, demand, memory.frustum);
-    answer.made_by = plan_->frustum->info().name;
+  Answer baseAnswer(const Camera& camera, const Demand& demand, AutoMemory& memory,
+                    const char* why) const {
+    Answer answer = base_->cull(camera, demand, memory.base);
+    answer.made_by = plan_->base->info().name;
     if (answer.note.empty()) answer.note = why;
     return answer;
   }
@@ -130,14 +130,14 @@ class AutoCuller final : public Culler {
             static_cast<std::uint32_t>(answer.visible.size())};
   }
 
-  /// Built when first wanted, from the frustum's boxes. Who comes meanwhile waits, so that no
+  /// Built when first wanted, from the base's boxes. Who comes meanwhile waits, so that no
   /// view's answer hangs on another's.
   const Culler* occlusionCuller() const {
     if (occlusion_ready_.load(std::memory_order_acquire)) return occlusion_.get();
     const std::scoped_lock lock(building_);
     if (failed_) return nullptr;
     if (occlusion_ == nullptr) {
-      auto built = plan_->occlusion->prepareBeside(*frustum_, scene_, clock_);
+      auto built = plan_->occlusion->prepareBeside(*base_, scene_, clock_);
       failed_ = !built;
       if (failed_) return nullptr;
       occlusion_ = std::move(built).value();
@@ -150,7 +150,7 @@ class AutoCuller final : public Culler {
   SnapshotPtr scene_;
   std::int64_t shown_;
   std::shared_ptr<const Plan> plan_;
-  std::unique_ptr<Culler> frustum_;
+  std::unique_ptr<Culler> base_;
   mutable std::mutex building_;
   mutable std::unique_ptr<Culler> occlusion_;  ///< written once, under building_
   mutable std::atomic<bool> occlusion_ready_;  ///< then read without it

@@ -4,76 +4,21 @@
 #include <utility>
 
 #include "culling/planner/price.h"
-#include "culling/planner/sample_views.h"
 #include "culling/planner/scene_profile.h"
+#include "culling/planner/stage_trial.h"
 
 namespace culld {
 namespace {
 
 using std::chrono::nanoseconds;
 
-constexpr std::size_t kMostViews = 32, kLeastViews = 4;
-constexpr nanoseconds kMostWork = std::chrono::milliseconds(100);
-
 /// What a method needs, as MethodInfo says it: boxes make the cheapest methods.
 constexpr std::string_view kBoxes = "boxes";
-
-PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culler& occlusion,
-                        nanoseconds object_price) {
-  ViewState fresh_frustum, fresh_occlusion;
-  const Answer without = frustum.cull(camera, {}, fresh_frustum);
-  Demand bounded;
-  bounded.work = kMostWork;  // cut short, it counts what occlusion brought until then
-  const Answer with = occlusion.cull(camera, bounded, fresh_occlusion);
-  PlannedView view;
-  view.camera = camera;
-  view.in_frustum = static_cast<std::uint32_t>(without.visible.size());
-  view.visible = static_cast<std::uint32_t>(with.visible.size());
-  view.frustum_work = without.stats.work;
-  view.occlusion_work = with.stats.work;
-  const auto left_out =
-      static_cast<std::int64_t>(view.in_frustum) - static_cast<std::int64_t>(view.visible);
-  view.gain = object_price * left_out - (view.occlusion_work - view.frustum_work);
-  return view;
-}
 
 nanoseconds mean(std::span<const PlannedView> views, nanoseconds PlannedView::*part) {
   nanoseconds sum{0};
   for (const PlannedView& view : views) sum += view.*part;
   return views.empty() ? sum : sum / std::ssize(views);
-}
-
-/// A method in the place of the occlusion stage.
-struct Candidate {
-  const Method* method = nullptr;
-  std::unique_ptr<Culler> culler;
-  std::vector<PlannedView> views;
-  nanoseconds work{0};  ///< of looking through them, both stages
-};
-
-/// What `one` brings a view more than `other`, in the views that both looked through, each left
-/// out where it does not pay: there the watch switches it off.
-nanoseconds advantage(const Candidate& one, const Candidate& other) {
-  const std::size_t both = std::min(one.views.size(), other.views.size());
-  nanoseconds sum{0};
-  for (std::size_t i = 0; i < both; ++i) {
-    sum += std::max(one.views[i].gain, nanoseconds{0});
-    sum -= std::max(other.views[i].gain, nanoseconds{0});
-  }
-  return both == 0 ? sum : sum / static_cast<std::int64_t>(both);
-}
-
-std::string nameOf(const Candidate& candidate) {
-  return std::string(candidate.method->info().name);
-}
-
-void lookAround(std::span<const SampledView> sampled, const Culler& frustum,
-                nanoseconds object_price, Candidate& candidate) {
-  for (const SampledView& view : sampled) {
-    if (candidate.views.size() >= kLeastViews && candidate.work > kMostWork) break;
-    candidate.views.push_back(lookThrough(view.camera, frustum, *candidate.culler, object_price));
-    candidate.work += candidate.views.back().frustum_work + candidate.views.back().occlusion_work;
-  }
 }
 
 std::string inMs(nanoseconds time) {
@@ -89,68 +34,53 @@ std::ptrdiff_t viewsThatPay(const Plan& plan) {
 }
 
 std::string verdict(const Plan& plan) {
-  const auto pays = viewsThatPay(plan);
-  return std::string(plan.occlusion->info().name) + " pays in " + std::to_string(pays) + " of " +
-         std::to_string(plan.views.size()) + " sampled views, " + inMs(plan.meanGain()) +
-         " a view on average";
+  return std::string(plan.occlusion->info().name) + " pays in " +
+         std::to_string(viewsThatPay(plan)) + " of " + std::to_string(plan.views.size()) +
+         " sampled views, " + inMs(plan.meanGain()) + " a view on average" +
+         (plan.why_base.empty() ? "" : ", beside " + std::string(plan.base->info().name));
 }
 
-/// A tenth of what the answers cost, with their objects, is the candidate's work at most: whatever
-/// hides as much for no work at all would hardly be worth more.
-bool costsLittle(const Candidate& candidate, nanoseconds object_price) {
-  nanoseconds work{0}, sent{0};
-  for (const PlannedView& view : candidate.views) {
-    work += view.occlusion_work;
-    sent += object_price * view.visible;
+/// The views of `occlusion`, with `base` in the place of the cheapest method.
+std::vector<PlannedView> viewsBeside(const StageTrial& base, std::vector<PlannedView> views) {
+  views.resize(std::min(views.size(), base.views.size()));
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    views[i].base_visible = base.views[i].visible;
+    views[i].base_work = base.views[i].occlusion_work;
+    views[i].gain -= base.views[i].gain;
   }
-  return 10 * work <= work + sent;
+  return views;
 }
 
-/// The first of `stages`, and one after another those that may bring more, prepared and looked
-/// through; the best stays. Its `culler` is none if none can be prepared.
-Candidate tryStages(std::span<const Method* const> stages, const SnapshotPtr& scene,
-                    const Culler& frustum, const Clock& clock, Plan& plan) {
-  const std::vector<SampledView> sampled = sampleViews(*scene, kMostViews);
-  Candidate best;
-  std::vector<Candidate> worse;
-  for (const Method* method : stages) {
-    const std::string_view name = method->info().name;
-    if (best.culler && costsLittle(best, plan.object_price)) {
-      plan.others.push_back({name, "not tried: " + nameOf(best) + " costs too little to save"});
-      continue;
-    }
-    auto culler = method->prepareBeside(frustum, scene, clock);
-    if (!culler) {
-      plan.others.push_back({name, culler.error().message});
-      continue;
-    }
-    Candidate next{method, std::move(culler).value(), {}, {}};
-    lookAround(sampled, frustum, plan.object_price, next);
-    if (!best.culler || advantage(next, best).count() > 0) std::swap(best, next);
-    if (!next.culler) continue;
-    next.culler.reset();
-    worse.push_back(std::move(next));
+void explainOthers(std::span<const StageTrial> tried, const StageChoice& choice, Plan& plan) {
+  const StageTrial& best = tried[choice.occlusion];
+  for (std::size_t k = 0; k < tried.size(); ++k) {
+    if (k == choice.occlusion || choice.base == k) continue;
+    plan.others.push_back({tried[k].method->info().name,
+                           "brings " + inMs(advantage(best, tried[k])) + " a view less than " +
+                               std::string(best.method->info().name)});
   }
-  for (const Candidate& one : worse) {
-    plan.others.push_back({one.method->info().name, "brings " + inMs(advantage(best, one)) +
-                                                        " a view less than " + nameOf(best)});
-  }
-  return best;
 }
 
-/// Sampled views are guesses at what clients will ask, so the stage is built if it pays in nearly
-/// half of them and on the whole.
-void decide(Candidate best, Plan& plan, PreparedPlan& prepared) {
-  if (!best.culler) {
-    plan.why = "no other conservative method is for this scene";
-    return;
-  }
+/// Sampled views are guesses at what clients will ask, so the occlusion stage is built if it pays
+/// in nearly half of them and on the whole.
+void decide(std::vector<StageTrial> tried, Plan& plan, PreparedPlan& prepared) {
+  const StageChoice choice = bestStages(tried, plan.object_price);
+  StageTrial& best = tried[choice.occlusion];
   plan.occlusion = best.method;
-  plan.views = std::move(best.views);
-  plan.planning_work = best.work;
+  plan.views = best.views;
+  if (choice.base) {
+    StageTrial& base = tried[*choice.base];
+    plan.base = base.method;
+    plan.why_base =
+        "brings " + inMs(mean(base.views, &PlannedView::gain)) + " a view on average, always used";
+    plan.views = viewsBeside(base, best.views);
+    prepared.base = std::move(base.culler);
+  }
+  for (const StageTrial& trial : tried) plan.planning_work += trial.work;
   plan.occlusion_built =
       20 * viewsThatPay(plan) >= 9 * std::ssize(plan.views) && plan.meanGain().count() > 0;
   plan.why = verdict(plan);
+  explainOthers(tried, choice, plan);
   if (plan.occlusion_built) prepared.occlusion = std::move(best.culler);
 }
 
@@ -160,6 +90,15 @@ nanoseconds Plan::meanGain() const noexcept { return mean(views, &PlannedView::g
 
 nanoseconds Plan::meanOcclusionWork() const noexcept {
   return mean(views, &PlannedView::occlusion_work);
+}
+
+double Plan::meanBaseShare() const noexcept {
+  double in_frustum = 0.0, answered = 0.0;
+  for (const PlannedView& view : views) {
+    in_frustum += view.in_frustum;
+    answered += view.base_visible;
+  }
+  return in_frustum > 0.0 ? answered / in_frustum : 1.0;
 }
 
 Result<Stages> chooseStages(const SceneProfile& profile, std::span<const Method* const> methods) {
@@ -193,17 +132,23 @@ Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* 
   plan.object_price = meanObjectPrice(plan.profile);
   auto stages = chooseStages(plan.profile, methods);
   if (!stages) return std::move(stages).error();
-  plan.frustum = stages.value().frustum;
+  plan.base = stages.value().frustum;
   PreparedPlan prepared;
-  auto frustum = plan.frustum->prepare(scene, clock);
+  auto frustum = plan.base->prepare(scene, clock);
   if (!frustum) return std::move(frustum).error();
-  prepared.frustum = std::move(frustum).value();
+  prepared.base = std::move(frustum).value();
   if (plan.profile.blocking_triangles == 0) {
     plan.why = "nothing in the scene blocks a view";
   } else {
     plan.others = std::move(stages.value().refused);
-    decide(tryStages(stages.value().occlusion, scene, *prepared.frustum, clock, plan), plan,
-           prepared);
+    StageTrials trials =
+        tryStages(stages.value().occlusion, scene, *prepared.base, plan.object_price, clock);
+    plan.others.insert(plan.others.end(), trials.untried.begin(), trials.untried.end());
+    if (trials.tried.empty()) {
+      plan.why = "no other conservative method is for this scene";
+    } else {
+      decide(std::move(trials.tried), plan, prepared);
+    }
   }
   prepared.plan = std::make_shared<const Plan>(std::move(plan));
   return prepared;

@@ -12,16 +12,16 @@
 
 namespace culld {
 
-/// One sampled view, answered with and without the occlusion stage.
+/// One sampled view, answered by the base alone and with the occlusion stage.
 struct PlannedView {
   Camera camera;
-  std::uint32_t in_frustum = 0, visible = 0;  ///< objects
-  std::chrono::nanoseconds frustum_work{0}, occlusion_work{0};
-  /// Price of the objects that occlusion leaves out, less its work.
+  std::uint32_t in_frustum = 0, base_visible = 0, visible = 0;  ///< objects
+  std::chrono::nanoseconds base_work{0}, occlusion_work{0};
+  /// Price of the objects that occlusion leaves out of what the base answers, less its work.
   std::chrono::nanoseconds gain{0};
 };
 
-/// A method that could have been the occlusion stage.
+/// A method that could have been a stage.
 struct StageLeftOut {
   std::string_view name;
   std::string why;
@@ -30,23 +30,27 @@ struct StageLeftOut {
 struct Plan {
   SceneProfile profile;
   std::chrono::nanoseconds object_price{0};  ///< of sending one object more
-  const Method* frustum = nullptr;           ///< always there: the cheapest conservative method
+  /// What answers always: the cheapest conservative method, or one that brings more in nearly every
+  /// view.
+  const Method* base = nullptr;
+  std::string why_base;  ///< one line; empty for the cheapest
   /// What may be switched on: of the others the one that brings most. None: nothing could ever pay.
   const Method* occlusion = nullptr;
   bool occlusion_built = false;      ///< it pays in nearly half of the sampled views: built at once
   std::string why;                   ///< one line, on the occlusion stage
-  std::vector<StageLeftOut> others;  ///< which could have been that stage
-  std::vector<PlannedView> views;    ///< with `occlusion`
-  std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through them
+  std::vector<StageLeftOut> others;  ///< which could have been a stage
+  std::vector<PlannedView> views;
+  std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through views
 
   std::chrono::nanoseconds meanGain() const noexcept;
   std::chrono::nanoseconds meanOcclusionWork() const noexcept;
+  double meanBaseShare() const noexcept;  ///< of the objects in the frustum, what the base answers
 };
 
 /// A plan and the cullers that making it has prepared and that it uses.
 struct PreparedPlan {
   std::shared_ptr<const Plan> plan;
-  std::unique_ptr<Culler> frustum;
+  std::unique_ptr<Culler> base;
   std::unique_ptr<Culler> occlusion;  ///< none unless plan->occlusion_built
 };
 

@@ -1,13 +1,14 @@
 #include "culling/planner/watch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
 namespace culld {
 namespace {
 
-constexpr int kRetryShare = 32;    ///< one part in so many of the frustum's work goes to retries
+constexpr int kRetryShare = 32;    ///< one part in so many of the base's work goes to retries
 constexpr int kPatience = 4;       ///< costs saved up before a retry in a view that has not changed
 constexpr int kMostTrust = 8;      ///< wrong words of the plan before it is believed no more
 constexpr int kLongestMemory = 4;  ///< wasted frames that a long good time makes up for
@@ -17,6 +18,10 @@ glm::dvec3 directionOf(const Camera& camera) {
   const glm::dvec3 forward(camera.w_row);
   const double length = glm::length(forward);
   return length > 0.0 ? forward / length : glm::dvec3(0.0);
+}
+
+double shareOf(std::uint32_t answered, std::uint32_t in_frustum) {
+  return in_frustum == 0 ? 1.0 : static_cast<double>(answered) / in_frustum;
 }
 
 double reachOf(const std::vector<PlannedView>& views) {
@@ -34,13 +39,14 @@ double reachOf(const std::vector<PlannedView>& views) {
 Watch::Watch(std::shared_ptr<const Plan> plan)
     : plan_(std::move(plan)), reach_(reachOf(plan_->views)), trust_(kMostTrust) {
   if (!plan_->occlusion_built) {  // one place is enough to be off everywhere
-    places_.push_back({false, false, Work{0}, plan_->meanOcclusionWork()});
+    places_.push_back({false, false, Work{0}, plan_->meanOcclusionWork(), plan_->meanBaseShare()});
     return;
   }
   const Work mean = plan_->meanGain();
   for (const PlannedView& view : plan_->views) {
     // One view says little about its surroundings, so half of the word has the whole scene.
-    places_.push_back({(view.gain + mean).count() > 0, false, Work{0}, view.occlusion_work});
+    places_.push_back({(view.gain + mean).count() > 0, false, Work{0}, view.occlusion_work,
+                       shareOf(view.base_visible, view.in_frustum)});
   }
 }
 
@@ -71,7 +77,7 @@ bool Watch::wantsOcclusion(const Camera& camera) {
 /// try.
 bool Watch::mayRetry() const {
   const Work cost = places_[here_].expected;
-  if (plan_->object_price * static_cast<std::int64_t>(in_frustum_) <= cost) return false;
+  if (plan_->object_price * baseAnswers(places_[here_]) <= cost) return false;
   const bool changed = here_ != tried_place_ || in_frustum_ > 2 * tried_in_frustum_ ||
                        2 * in_frustum_ < tried_in_frustum_;
   return saved_up_ >= (changed ? cost : cost * kPatience);
@@ -88,8 +94,7 @@ void Watch::sawOcclusion(const WatchedFrame& frame) {
   place.expected = frame.work;
   // Cut short, a frame does not say what would have been answered without the stage.
   if (frame.in_frustum != 0) in_frustum_ = frame.in_frustum;
-  const std::int64_t left_out =
-      static_cast<std::int64_t>(in_frustum_) - static_cast<std::int64_t>(frame.visible);
+  const std::int64_t left_out = baseAnswers(place) - static_cast<std::int64_t>(frame.visible);
   const Work gain = plan_->object_price * std::max<std::int64_t>(left_out, 0) - frame.work;
   const bool was_planned = planned(place);
   learn(place, gain.count() > 0);
@@ -115,8 +120,15 @@ void Watch::learn(Place& place, bool pays) {
   place.visited = true;
 }
 
-void Watch::sawFrustum(const WatchedFrame& frame) {
-  in_frustum_ = frame.visible;
+std::int64_t Watch::baseAnswers(const Place& place) const {
+  return std::llround(place.base_share * in_frustum_);
+}
+
+void Watch::sawBase(const WatchedFrame& frame) {
+  if (frame.in_frustum != 0) {
+    in_frustum_ = frame.in_frustum;
+    places_[here_].base_share = shareOf(frame.visible, frame.in_frustum);
+  }
   saved_up_ = std::min(saved_up_ + frame.work / kRetryShare,
                        std::max(saved_up_, places_[here_].expected * kPatience));
 }

@@ -11,7 +11,7 @@
 
 namespace culld {
 
-/// What one frame showed, with or without the stage.
+/// What one frame showed, with the stage or from the base alone.
 struct WatchedFrame {
   std::chrono::nanoseconds work{0};
   std::uint32_t in_frustum = 0;  ///< 0: not counted, time ran out
@@ -26,7 +26,7 @@ class Watch {
   /// Shall this camera be answered with the stage? To be followed by one of the saw functions.
   bool wantsOcclusion(const Camera& camera);
   void sawOcclusion(const WatchedFrame& frame);
-  void sawFrustum(const WatchedFrame& frame);
+  void sawBase(const WatchedFrame& frame);
 
   bool follows(const Plan& plan) const noexcept { return plan_.get() == &plan; }
   /// Frames with the stage while it was switched off, and their work.
@@ -39,11 +39,14 @@ class Watch {
   struct Place {
     bool on = false;
     bool visited = false;
-    Work balance{0};   ///< of what the stage brought lately
-    Work expected{0};  ///< work of the stage the last time here
+    Work balance{0};          ///< of what the stage brought lately
+    Work expected{0};         ///< work of the stage the last time here
+    double base_share = 1.0;  ///< what the base answered here of what was in the frustum
   };
   std::size_t placeOf(const Camera& camera) const;
   bool mayRetry() const;
+  /// Objects, were this camera answered without the stage.
+  std::int64_t baseAnswers(const Place& place) const;
   bool planned(const Place& place) const { return place.on && (place.visited || trust_ > 0); }
   void learn(Place& place, bool pays);
   void switchTo(Place& place, bool on);
@@ -53,7 +56,7 @@ class Watch {
   std::size_t here_ = 0;
   double reach_ = 1.0;  ///< distance that counts as much as half a turn
   int trust_;           ///< in what the plan says of places not visited yet
-  Work saved_up_{0};    ///< for retries: a share of what frustum culling has cost since
+  Work saved_up_{0};    ///< for retries: a share of what the base has cost since
   std::uint32_t in_frustum_ = 0;
   std::size_t tried_place_ = 0;
   std::uint32_t tried_in_frustum_ = 0;

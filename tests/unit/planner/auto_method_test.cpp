@@ -26,6 +26,7 @@ Camera at(double x) {
 }
 
 constexpr std::uint32_t kObjects = 1000;
+constexpr double kMiddle = 500.0;  // of a row of as many
 
 /// Frustum culling of everything for 10 us.
 CountedMethod boxes() {
@@ -135,6 +136,40 @@ TEST(AutoMethod, TakesOfManyStagesTheOneThatBringsMost) {
     EXPECT_EQ(culler->cull(at(0), {}, view).made_by, "good");
     EXPECT_EQ(dear.alive + weak.alive, 0) << "what is not used is not kept";
   }
+}
+
+TEST(AutoMethod, TakesACheapStageForItsBaseAndADearOneWhereItBringsMore) {
+  const CountedMethod frustum = boxes(), cheap = stage("cheap", 500, microseconds(50));
+  // It hides more only from the left.
+  const CountedMethod dear("dear", "triangles", [](const Camera& camera) {
+    const bool left = camera.origin_world[0] < kMiddle + 350;
+    return CountedFrame{std::chrono::milliseconds(8), kObjects, left ? 50U : 500U};
+  });
+  const Method* stages[] = {&frustum, &dear, &cheap};
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
+  const Plan& plan = *planOf(*culler);
+  EXPECT_EQ(plan.base, &cheap);
+  EXPECT_EQ(plan.occlusion, &dear);
+  EXPECT_TRUE(plan.others.empty());
+  EXPECT_EQ(plan.meanBaseShare(), 0.5);
+  EXPECT_TRUE(plan.occlusion_built) << plan.why;
+  EXPECT_EQ(frustum.alive, 0);
+  ViewState view;
+  for (int round = 0; round < 3; ++round) {
+    for (const PlannedView& sampled : plan.views) {
+      const bool pays = sampled.gain.count() > 0;
+      EXPECT_EQ(culler->cull(sampled.camera, {}, view).made_by, pays ? "dear" : "cheap");
+    }
+  }
+}
+
+TEST(AutoMethod, NoBaseButTheFrustumIsTakenForALittle) {
+  const CountedMethod frustum = boxes(), hider = stage("hider", 900, std::chrono::milliseconds(8)),
+                      cheap = stage("cheap", 1, microseconds(20));
+  const Method* stages[] = {&frustum, &hider, &cheap};
+  const auto culler = prepared(stages, rowOfObjects(kObjects));
+  EXPECT_EQ(planOf(*culler)->base, &frustum);
+  EXPECT_EQ(planOf(*culler)->occlusion, &hider);
 }
 
 TEST(AutoMethod, TriesNoOtherStageIfTheFirstCostsNextToNothing) {

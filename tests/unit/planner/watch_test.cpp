@@ -9,7 +9,7 @@ using std::chrono::microseconds;
 using std::chrono::nanoseconds;
 
 constexpr nanoseconds kPrice = microseconds(50);
-constexpr WatchedFrame kFrustum{microseconds(10), 1000, 1000};
+constexpr WatchedFrame kBase{microseconds(10), 1000, 1000};
 constexpr WatchedFrame kUseless{microseconds(1000), 1000, 1000};
 constexpr WatchedFrame kUseful{microseconds(1000), 1000, 500};
 
@@ -21,7 +21,7 @@ Camera at(double x) {
 }
 
 PlannedView sampled(double x, nanoseconds gain) {
-  return {at(x), 1000, 500, microseconds(10), microseconds(1000), gain};
+  return {at(x), 1000, 1000, 500, microseconds(10), microseconds(1000), gain};
 }
 
 std::shared_ptr<const Plan> planWith(std::vector<PlannedView> views) {
@@ -43,7 +43,7 @@ int fly(Watch& watch, const Camera& camera, const WatchedFrame& with, int frames
       watch.sawOcclusion(with);
       ++with_stage;
     } else {
-      watch.sawFrustum(kFrustum);
+      watch.sawBase(kBase);
     }
   }
   return with_stage;
@@ -82,7 +82,7 @@ TEST(Watch, DoesNotFlickerWhereTheStageAboutBreaksEven) {
     if (watch.wantsOcclusion(at(0))) {
       watch.sawOcclusion(even);
     } else {
-      watch.sawFrustum(kFrustum);
+      watch.sawBase(kBase);
     }
   }
   EXPECT_LE(watch.switches(), 2U);
@@ -93,7 +93,7 @@ TEST(Watch, RetriesForAFewPerCentOfTheFrustumsWork) {
   const int frames = 100'000;
   const int with_stage = fly(watch, at(0), kUseless, frames);
   EXPECT_GE(with_stage, 10);
-  EXPECT_LE(with_stage * kUseless.work, 0.035 * frames * kFrustum.work);
+  EXPECT_LE(with_stage * kUseless.work, 0.035 * frames * kBase.work);
   EXPECT_EQ(watch.retries(), static_cast<std::uint32_t>(with_stage));
 }
 
@@ -101,11 +101,11 @@ TEST(Watch, RetriesSoonerOnceTheViewHasChanged) {
   const auto framesToRetry = [](std::uint32_t in_frustum) {
     Watch watch(badPlan());
     fly(watch, at(0), kUseless, 20'000);
-    while (!watch.wantsOcclusion(at(0))) watch.sawFrustum(kFrustum);
+    while (!watch.wantsOcclusion(at(0))) watch.sawBase(kBase);
     watch.sawOcclusion(kUseless);
     int frames = 0;
     while (!watch.wantsOcclusion(at(0))) {
-      watch.sawFrustum({microseconds(10), in_frustum, in_frustum});
+      watch.sawBase({microseconds(10), in_frustum, in_frustum});
       ++frames;
     }
     return frames;
@@ -117,7 +117,7 @@ TEST(Watch, NeverRetriesWhereEvenHidingEverythingCouldNotPay) {
   Watch watch(badPlan());
   for (int i = 0; i < 100'000; ++i) {
     ASSERT_FALSE(watch.wantsOcclusion(at(0)));
-    watch.sawFrustum({microseconds(10), 15, 15});
+    watch.sawBase({microseconds(10), 15, 15});
   }
 }
 
@@ -134,11 +134,11 @@ TEST(Watch, KnowsPlacesApart) {
   EXPECT_TRUE(watch.wantsOcclusion(at(10)));
   watch.sawOcclusion(kUseful);
   EXPECT_FALSE(watch.wantsOcclusion(at(110)));
-  watch.sawFrustum(kFrustum);
+  watch.sawBase(kBase);
   EXPECT_TRUE(watch.wantsOcclusion(at(190)));
   watch.sawOcclusion(kUseless);
   EXPECT_FALSE(watch.wantsOcclusion(at(190)));  // off here
-  watch.sawFrustum(kFrustum);
+  watch.sawBase(kBase);
   EXPECT_TRUE(watch.wantsOcclusion(at(10)));  // and still on there
 }
 
@@ -158,7 +158,7 @@ TEST(Watch, BelievesThePlanNoLessWhereItRightlySaidNo) {
   }
   EXPECT_GE(watch.retries(), 30U);
   EXPECT_EQ(watch.switches(), 0U);
-  watch.sawFrustum({microseconds(10), 5, 5});  // so few that no retry could pay
+  watch.sawBase({microseconds(10), 5, 5});  // so few that no retry could pay
   EXPECT_FALSE(watch.wantsOcclusion(at(290)));
   EXPECT_TRUE(watch.wantsOcclusion(at(1000)));
 }

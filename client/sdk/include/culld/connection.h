@@ -113,7 +113,7 @@ struct PairsOutcome {
   /// False: proven hidden. REQUIRES: viewer < viewers, target < targets.
   bool maySee(std::size_t viewer, std::size_t target) const {
     const std::size_t bit = viewer * targets + target;
-    return (bits[bit / 8] >> bit % 8 & 1U) != 0;
+    return (static_cast<unsigned>(bits[bit / 8]) >> bit % 8 & 1U) != 0;
   }
 };
 
