@@ -70,6 +70,19 @@ function(culld_test name)
   endif()
 endfunction()
 
+# culld_gpu_test(NAME SOURCES ... DEPS ... [TIMEOUT s]): a program run once for each way to a context; EGL
+# and OSMesa do not go together in one process. Skipped, and listed so, where a library is not installed.
+function(culld_gpu_test name)
+  culld_test(${name} ${ARGN})
+  target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/unit/gpu/main.cpp)
+  set_tests_properties(${name} PROPERTIES ENVIRONMENT CULLD_TEST_BACKEND=egl-surfaceless SKIP_RETURN_CODE 77)
+  get_test_property(${name} TIMEOUT timeout)
+  get_test_property(${name} LABELS labels)
+  add_test(NAME ${name}_osmesa COMMAND ${name})
+  set_tests_properties(${name}_osmesa PROPERTIES ENVIRONMENT CULLD_TEST_BACKEND=osmesa SKIP_RETURN_CODE 77
+    TIMEOUT ${timeout} LABELS "${labels}")
+endfunction()
+
 # culld_fuzz(NAME SOURCES ... DEPS ...): libFuzzer in the preset fuzz; elsewhere a replay of the corpus as a ctest.
 function(culld_fuzz name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPS;SYSTEM" ${ARGN})

@@ -173,7 +173,8 @@ Result<void> Backend::describe() {
   std::int64_t most = 0;
   gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   most_buffer_bytes_ = static_cast<std::size_t>(std::max<std::int64_t>(most, 0));
-  if (auto tested = selfTest(gl); !tested) return tested;
+  if (auto tested = testArithmetic(gl); !tested) return tested;
+  if (auto tested = testDepthPass(lease.value().data<DepthPass>()); !tested) return tested;
   return lease.value().check();
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "culling/gpu/depth_reference.h"
 #include "culling/gpu/program.h"
 
 namespace culld::gpu {
@@ -30,6 +31,51 @@ void main() {
 
 Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::move(message)}; }
 
+/// Diamonds before each other, with a slope each.
+OutlineBatch diamonds(const CellGrid& grid) {
+  OutlineBatch batch;
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    ConvexOutline outline;
+    const double x = 7.3 * i, y = 5.0 + 11.7 * (i % 4), radius = 6.0 + i;
+    outline.side_count = 4;
+    for (std::uint32_t s = 0; s < 4; ++s) {
+      const double a = s % 2 == 0 ? 0.5 : -0.5, b = s < 2 ? 0.5 : -0.5;
+      outline.sides[s] = {a, b, radius - a * x - b * y, 1e-6};
+    }
+    outline.plane_count = 1;
+    outline.planes[0] = {1e-3, -2e-3, 0.2 + 0.01 * i, true};
+    outline.depth_floor = 0.125F;
+    outline.cells = {0, grid.width - 1, 0, grid.height - 1};
+    batch.add(outline, grid);
+  }
+  return batch;
+}
+
+/// Boxes in rows, nearer and nearer.
+BoxGroup boxes() {
+  BoxGroup group;
+  for (std::uint32_t lane = 0; lane < kBoxLanes; ++lane) {
+    const auto step = static_cast<float>(lane);
+    const float low[3] = {0.7F * step - 3.0F, -0.3F * step, -6.0F - step};
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      group[axis * kBoxLanes + lane] = low[axis];
+      group[(axis + 3) * kBoxLanes + lane] = low[axis] + 0.375F;
+    }
+  }
+  return group;
+}
+
+BoxView straightAhead(const CellGrid& grid) {
+  BoxView view;
+  view.width = static_cast<float>(grid.width);
+  view.height = static_cast<float>(grid.height);
+  view.u = {view.width, 0.0F, -0.5F * view.width, 0.0F};
+  view.v = {0.0F, view.height, -0.5F * view.height, 0.0F};
+  view.w = {0.0F, 0.0F, -1.0F, 0.0F};
+  view.n = {0.0F, 0.0F, 0.0F, 1.0F};
+  return view;
+}
+
 /// Numbers of every magnitude that culling meets, from a fixed sequence.
 std::vector<float> givenNumbers() {
   std::vector<float> out;
@@ -52,7 +98,7 @@ std::vector<float> givenNumbers() {
 
 }  // namespace
 
-Result<void> selfTest(const GlTable& gl) {
+Result<void> testArithmetic(const GlTable& gl) {
   auto program = Program::compute(gl, kArithmetic);
   if (!program) return program.error();
   const std::vector<float> given = givenNumbers();
@@ -76,6 +122,41 @@ Result<void> selfTest(const GlTable& gl) {
       return unavailable("its shaders do not round as IEEE 754 does");
     }
   }
+  return Done{};
+}
+
+Result<void> testDepthPass(DepthPass& pass) {
+  if (!pass.ready()) return pass.ready();
+  const CellGrid grid = gridOf(83, 47);
+  const OutlineBatch batch = diamonds(grid);
+  const BoxView view = straightAhead(grid);
+  const std::vector<BoxGroup> groups{boxes()};
+  std::vector<GroupQuery> queries;
+  for (std::uint32_t i = 0; i < 9; ++i) {
+    queries.push_back({0, 0xFF, {0.25F * static_cast<float>(i), 0.5F, 0.0F}, 0});
+  }
+  constexpr std::uint32_t kRefine = 2;
+  DepthReference reference;
+  reference.begin(grid);
+  reference.draw(batch);
+  reference.buildPyramid();
+  std::vector<std::uint32_t> expected, hidden;
+  reference.test(view, groups, queries, kRefine, expected);
+
+  pass.begin(grid);
+  pass.draw(batch);
+  pass.buildPyramid();
+  const GroupSource source{0, groups.size(), [&](std::vector<BoxGroup>& out) { out = groups; }};
+  pass.test(view, source, queries, kRefine, hidden);
+  std::vector<float> pyramid;
+  pass.readPyramid(pyramid);
+  const auto truth = reference.pyramid();
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const bool same =
+        std::bit_cast<std::uint32_t>(truth[i]) == std::bit_cast<std::uint32_t>(pyramid[i]);
+    if (!same && !std::isnan(truth[i])) return unavailable("it draws other depths than the CPU");
+  }
+  if (hidden != expected) return unavailable("it hides other boxes than the CPU");
   return Done{};
 }
 

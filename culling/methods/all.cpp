@@ -3,6 +3,7 @@
 #include "culling/culler.h"
 #include "culling/methods/backface_clusters.h"
 #include "culling/methods/frustum.h"
+#include "culling/methods/gpu_depth_pyramid.h"
 #include "culling/methods/horizon.h"
 #include "culling/methods/layers.h"
 #include "culling/methods/occluder_volumes.h"
@@ -31,6 +32,7 @@ std::span<const Method* const> allMethods() noexcept {
       &layersMethod(),
       &horizonMethod(),
       &backfaceClustersMethod(),
+      &gpuDepthPyramidMethod(),
       &automatic,
   };
   return methods;

@@ -120,7 +120,7 @@ TEST(ContextPool, AsksABrokenDriverLessAndLessOften) {
 TEST_F(SelfTest, RefusesWrongArithmetic) {
   auto lease = backend()->acquire();
   ASSERT_TRUE(lease.ok());
-  EXPECT_TRUE(selfTest(lease.value().gl()).ok());
+  EXPECT_TRUE(testArithmetic(lease.value().gl()).ok());
   static decltype(GlTable::GetNamedBufferSubData) real = nullptr;
   real = lease.value().gl().GetNamedBufferSubData;
   GlTable wrong = lease.value().gl();
@@ -129,9 +129,34 @@ TEST_F(SelfTest, RefusesWrongArithmetic) {
     real(buffer, at, size, data);
     static_cast<unsigned char*>(data)[size / 2] ^= 1U;
   };
-  const auto refused = selfTest(wrong);
+  const auto refused = testArithmetic(wrong);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().message, "its shaders do not round as IEEE 754 does");
+}
+
+TEST_F(SelfTest, RefusesAGpuThatDrawsOrAsksOtherwise) {
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  EXPECT_TRUE(testDepthPass(lease.value().data<DepthPass>()).ok());
+  static decltype(GlTable::DispatchCompute) dispatch = nullptr;
+  dispatch = lease.value().gl().DispatchCompute;
+  GlTable lazy = lease.value().gl();
+  lazy.DrawArraysInstanced = [](unsigned, int, int, int) {};
+  DepthPass draws_nothing(lazy);
+  const auto drawn = testDepthPass(draws_nothing);
+  ASSERT_FALSE(drawn.ok());
+  EXPECT_EQ(drawn.error().message, "it draws other depths than the CPU");
+  lazy = lease.value().gl();
+  static int dispatched = 0;
+  dispatched = 0;
+  lazy.DispatchCompute = [](unsigned x, unsigned y, unsigned z) {
+    constexpr int kLevels = 7;  // of the pyramid; then the boxes
+    if (++dispatched <= kLevels) dispatch(x, y, z);
+  };
+  DepthPass asks_nothing(lazy);
+  const auto asked = testDepthPass(asks_nothing);
+  ASSERT_FALSE(asked.ok());
+  EXPECT_EQ(asked.error().message, "it hides other boxes than the CPU");
 }
 
 TEST_F(SelfTest, QuotesTheCompiler) {

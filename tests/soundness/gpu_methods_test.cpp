@@ -1,0 +1,201 @@
+// Methods on a GPU with a backend that works: they keep what they promise on random scenes, after
+// edits, within motion bounds and at every end of their settings, hide something, and stay right
+// when the GPU is lost under them. Without a backend they answer what `frustum` does; the other
+// soundness tests hold them to that.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <thread>
+
+#include "culling/planner/scene_profile.h"
+#include "culling/scene/edit.h"
+#include "tests/scenes/random_scene.h"
+#include "tests/scenes/rounds.h"
+#include "tests/soundness/judge.h"
+#include "tests/unit/gpu/opened_backend.h"
+
+namespace culld {
+namespace {
+
+/// Methods that refuse every scene without a backend.
+bool needsGpu(const Method& method) { return method.info().needs == "OpenGL 4.5"; }
+
+std::vector<std::string> gpuMethods() {
+  std::vector<std::string> names;
+  for (const Method* method : allMethods()) {
+    if (!needsGpu(*method)) continue;
+    names.emplace_back(method->info().name);
+    for (const Setting& setting : method->settings()) {
+      for (const double value : {setting.least, setting.most}) {
+        if (value == setting.standard) continue;
+        names.push_back(std::string(method->info().name) + ":" + std::string(setting.name) + "=" +
+                        valueText(setting, value));
+      }
+    }
+  }
+  return names;
+}
+
+class GpuMethods : public gpu::WithBackend {
+ protected:
+  std::vector<PreparedMethod> prepare(const SnapshotPtr& scene) {
+    std::vector<PreparedMethod> out;
+    for (const std::string& name : gpuMethods()) {
+      const Method* method = configured_.find(name).value();
+      EXPECT_TRUE(method->accepts(profileScene(*scene)).ok()) << name;
+      out.push_back({name, method->prepare(scene).value(), ViewState{}});
+    }
+    return out;
+  }
+
+  void judge(const SnapshotPtr& scene, const Oracle& oracle, std::vector<PreparedMethod>& methods,
+             const Camera& camera) {
+    OracleOptions options;
+    options.lattice = 1;
+    options.max_samples = 10'000;
+    const auto truth = oracle.look(camera, options);
+    ASSERT_TRUE(truth.ok()) << truth.error().message;
+    ViewState fresh;
+    frustum_ +=
+        findMethod("frustum")->prepare(scene).value()->cull(camera, {}, fresh).visible.size() *
+        methods.size();
+    for (PreparedMethod& method : methods) {
+      const Answer answer = method.culler->cull(camera, {}, method.view);
+      expectWellFormed(answer, *scene);
+      EXPECT_TRUE(answer.note.find("GL") == std::string::npos) << answer.note;
+      const auto lost = missing(truth.value().visible, answer.visible);
+      EXPECT_TRUE(lost.empty()) << method.name << " lacks object " << lost.front();
+      ViewState forgetful;
+      EXPECT_EQ(method.culler->cull(camera, {}, forgetful).visible, answer.visible)
+          << method.name << " depends on what the view remembers";
+      answered_ += answer.visible.size();
+      ++looks_;
+    }
+  }
+
+  ConfiguredMethods configured_{allMethods()};
+  std::size_t looks_ = 0, answered_ = 0, frustum_ = 0;
+};
+
+TEST_F(GpuMethods, LackNothingThatTheOracleSees) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(32); ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed);
+    const auto oracle = Oracle::build(scene);
+    ASSERT_TRUE(oracle.ok());
+    std::vector<PreparedMethod> methods = prepare(scene);
+    for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, 3)) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + " camera " + spec.what);
+      judge(scene, *oracle.value(), methods, scenes::toCamera(spec).value());
+    }
+  }
+  std::printf("%zu looks: frustum answered %zu, methods on the GPU %zu\n", looks_, frustum_,
+              answered_);
+  EXPECT_GT(looks_, 50U);
+  EXPECT_LT(answered_, frustum_);
+}
+
+TEST_F(GpuMethods, LackNothingWithinAMotionBound) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(12); ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed);
+    const auto oracle = Oracle::build(scene);
+    ASSERT_TRUE(oracle.ok());
+    std::vector<PreparedMethod> methods = prepare(scene);
+    for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, 2)) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + " camera " + spec.what);
+      Camera camera = scenes::toCamera(spec).value();
+      camera.motion.radius_m = 0.02 * static_cast<double>(seed % 5);
+      camera.motion.angle_rad = 0.01 * static_cast<double>(seed % 3);
+      judge(scene, *oracle.value(), methods, camera);
+    }
+  }
+}
+
+TEST_F(GpuMethods, LackNothingAfterEdits) {
+  for (std::uint64_t seed = 1; seed <= scenes::rounds(12); ++seed) {
+    SnapshotPtr scene = scenes::randomScene(seed);
+    std::vector<PreparedMethod> methods = prepare(scene);
+    const Camera camera = scenes::toCamera(scenes::randomCameras(seed, *scene, 1)[0]).value();
+    for (std::uint32_t step = 0; step < 4; ++step) {
+      const auto id = static_cast<ObjectId>((seed * 7 + step * 13) % scene->objectCount());
+      const auto to = static_cast<ObjectId>((seed * 11 + step * 5) % scene->objectCount());
+      if (scene->instance(id).removed) continue;
+      const Edit edits[] = {MoveObject{id, scene->instance(to).world_from_mesh}};
+      auto edited = applyEdits(scene, edits);
+      ASSERT_TRUE(edited.ok()) << edited.error().message;
+      scene = edited.value().snapshot;
+      for (PreparedMethod& method : methods) {
+        method.culler = method.culler->edited(scene, edited.value().changed).value();
+        method.view.sceneEdited();
+      }
+      const auto oracle = Oracle::build(scene);
+      ASSERT_TRUE(oracle.ok());
+      SCOPED_TRACE("seed " + std::to_string(seed) + " step " + std::to_string(step));
+      judge(scene, *oracle.value(), methods, camera);
+    }
+  }
+}
+
+TEST_F(GpuMethods, AnswerTheFrustumWhenTheGpuIsLostAndRecover) {
+  const SnapshotPtr scene = scenes::randomScene(5);
+  const Camera camera = scenes::toCamera(scenes::randomCameras(5, *scene, 1)[0]).value();
+  ViewState view;
+  const auto frustum =
+      findMethod("frustum")->prepare(scene).value()->cull(camera, {}, view).visible;
+  for (PreparedMethod& method : prepare(scene)) {
+    const auto before = method.culler->cull(camera, {}, method.view);
+    for (std::atomic<bool>* fault : {&gpu::Faults::reset, &gpu::Faults::out_of_memory}) {
+      *fault = true;
+      const auto lost = method.culler->cull(camera, {}, method.view);
+      EXPECT_EQ(lost.visible, frustum) << method.name;
+      EXPECT_EQ(lost.guarantee, Guarantee::kConservative);
+      EXPECT_TRUE(lost.note.find("the GPU was reset") != std::string::npos ||
+                  lost.note.find("GL_OUT_OF_MEMORY") != std::string::npos)
+          << lost.note;
+      const auto after = method.culler->cull(camera, {}, method.view);
+      EXPECT_EQ(after.visible, before.visible) << method.name;
+      EXPECT_EQ(after.note, before.note);
+    }
+  }
+}
+
+TEST_F(GpuMethods, ServeManyThreadsAtOnce) {
+  const SnapshotPtr scene = scenes::randomScene(9);
+  const auto specs = scenes::randomCameras(9, *scene, 4);
+  for (PreparedMethod& method : prepare(scene)) {
+    std::vector<std::vector<ObjectId>> expected;
+    for (const auto& spec : specs) {
+      ViewState fresh;
+      expected.push_back(method.culler->cull(scenes::toCamera(spec).value(), {}, fresh).visible);
+    }
+    std::atomic<int> wrong{0};
+    std::vector<std::thread> threads;
+    for (std::size_t t = 0; t < 4; ++t) {
+      threads.emplace_back([&, t] {
+        ViewState view;
+        for (std::size_t i = 0; i < 12; ++i) {
+          const std::size_t c = (t + i) % specs.size();
+          const Camera camera = scenes::toCamera(specs[c]).value();
+          if (method.culler->cull(camera, {}, view).visible != expected[c]) ++wrong;
+        }
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    EXPECT_EQ(wrong, 0) << method.name;
+  }
+}
+
+TEST_F(GpuMethods, KeepEverythingWhenTimeRunsOut) {
+  const SnapshotPtr scene = scenes::randomScene(5);
+  const Camera camera = scenes::toCamera(scenes::randomCameras(5, *scene, 1)[0]).value();
+  for (PreparedMethod& method : prepare(scene)) {
+    const auto unlimited = method.culler->cull(camera, {}, method.view);
+    Demand demand;
+    demand.time = std::chrono::nanoseconds(1);
+    const auto cut = method.culler->cull(camera, demand, method.view);
+    EXPECT_TRUE(cut.out_of_budget);
+    EXPECT_TRUE(missing(unlimited.visible, cut.visible).empty()) << method.name;
+  }
+}
+
+}  // namespace
+}  // namespace culld

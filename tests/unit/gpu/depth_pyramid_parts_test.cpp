@@ -1,0 +1,105 @@
+// The parts of `gpu-depth-pyramid`, each shown to bring something by counts.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "culling/culler.h"
+#include "culling/gpu/depth_pass.h"
+#include "tests/scenes/city.h"
+#include "tests/scenes/random_scene.h"
+#include "tests/unit/gpu/opened_backend.h"
+
+namespace culld {
+namespace {
+
+struct Sums {
+  std::size_t answered = 0, drawn = 0, in_frustum = 0;
+};
+
+class GpuDepthPyramid : public gpu::WithBackend {
+ protected:
+  const Culler& culler(const std::string& settings, const SnapshotPtr& scene) {
+    auto method = configured_.find("gpu-depth-pyramid" + settings);
+    EXPECT_TRUE(method.ok());
+    kept_.push_back(method.value()->prepare(scene).value());
+    return *kept_.back();
+  }
+
+  Sums fly(const std::string& settings, const SnapshotPtr& scene,
+           const std::vector<scenes::CameraSpec>& cameras) {
+    const Culler& flown = culler(settings, scene);
+    ViewState view;
+    Sums sums;
+    for (const scenes::CameraSpec& spec : cameras) {
+      const Answer answer = flown.cull(scenes::toCamera(spec).value(), {}, view);
+      EXPECT_EQ(answer.note, "");
+      sums.answered += answer.visible.size();
+      sums.drawn += answer.stats.occluders_drawn;
+      sums.in_frustum += answer.stats.in_frustum;
+    }
+    return sums;
+  }
+
+  static const scenes::City& city() {
+    static const scenes::City made = [] {
+      scenes::CityOptions options;
+      options.objects = 2000;
+      options.frames = 8;
+      return scenes::generateCity(options);
+    }();
+    return made;
+  }
+
+  ConfiguredMethods configured_{allMethods()};
+  std::vector<std::unique_ptr<Culler>> kept_;
+};
+
+TEST_F(GpuDepthPyramid, CoherenceDrawsLess) {
+  const SnapshotPtr scene = scenes::toSnapshot(city().model);
+  const Sums with = fly("", scene, city().cameras);
+  const Sums without = fly(":coherence=off", scene, city().cameras);
+  std::printf("drawn %zu, without %zu; answered %zu of %zu in the frustum\n", with.drawn,
+              without.drawn, with.answered, with.in_frustum);
+  EXPECT_EQ(with.answered, without.answered);
+  EXPECT_LT(with.drawn, without.drawn);
+  EXPECT_LT(with.answered, with.in_frustum / 2);
+}
+
+TEST_F(GpuDepthPyramid, FinerLevelsHideMore) {
+  const SnapshotPtr scene = scenes::toSnapshot(city().model);
+  const std::vector<scenes::CameraSpec> some(city().cameras.begin(), city().cameras.begin() + 3);
+  std::size_t answered = fly(":refine=0", scene, some).answered;
+  for (const char* refine : {":refine=1", ":refine=2", ":refine=3"}) {
+    const std::size_t finer = fly(refine, scene, some).answered;
+    EXPECT_LT(finer, answered) << refine;
+    answered = finer;
+  }
+}
+
+TEST_F(GpuDepthPyramid, FlatFacesHideToo) {
+  std::size_t with = 0, without = 0;
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    const SnapshotPtr scene = scenes::randomScene(seed);
+    const auto cameras = scenes::randomCameras(seed, *scene, 2);
+    with += fly("", scene, cameras).answered;
+    without += fly(":faces=0", scene, cameras).answered;
+  }
+  EXPECT_LT(with, without);
+}
+
+TEST_F(GpuDepthPyramid, UploadsNothingAgainWhileTheSceneStays) {
+  const SnapshotPtr scene = scenes::toSnapshot(city().model);
+  const Culler& flown = culler("", scene);
+  const auto uploads = [] {
+    return gpu::backend()->acquire().value().data<gpu::DepthPass>().uploads();
+  };
+  ViewState view;
+  const Camera camera = scenes::toCamera(city().cameras[0]).value();
+  flown.cull(camera, {}, view);
+  const std::uint64_t before = uploads();
+  for (int i = 0; i < 3; ++i) flown.cull(camera, {}, view);
+  EXPECT_EQ(uploads(), before);
+}
+
+}  // namespace
+}  // namespace culld
