@@ -4,14 +4,22 @@
 
 #include "culling/core/clock.h"
 #include "culling/culler.h"
+#include "culling/spatial/frustum_walk.h"
 #include "culling/spatial/prepared_boxes.h"
 
 namespace culld {
 
+/// The boxes that a culler lends to another method's culler of the same snapshot; nullptr if none.
+const PreparedBoxes* boxesOf(const Culler& culler) noexcept;
+
 /// Appends all that the frustum may hold, in no particular order, and counts the work. `note`: why
-/// no more is left out; empty if that is the method.
+/// no more is left out.
 void answerFrustum(const PreparedBoxes& boxes, const Camera& camera, const Deadline& deadline,
                    std::string_view note, Answer& answer);
+
+/// Counts the work of a walk whose finds are answer.visible, of so many live objects with a bound.
+void countFrustum(const FrustumWalkStats& walk, std::size_t live, std::size_t always_kept,
+                  Answer& answer);
 
 /// Completes what a walk has found: the objects without a bound, ascending ids, their counts, and
 /// the note of `method` if it was cut short.

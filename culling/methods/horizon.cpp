@@ -92,9 +92,9 @@ class HorizonMethod final : public Method {
   }
   Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
                                                 const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
-    return HorizonCuller::around(lender->boxes(), parts_, clock);
+    const PreparedBoxes* lent = boxesOf(sibling);
+    if (lent == nullptr) return prepare(std::move(scene), clock);
+    return HorizonCuller::around(*lent, parts_, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {

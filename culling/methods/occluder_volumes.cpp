@@ -51,7 +51,7 @@ class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
     return boxes_.bytes() + occluders_->bytes();
   }
 
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders,
@@ -100,9 +100,9 @@ class OccluderVolumesMethod final : public Method {
   }
   Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
                                                 const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
-    return OccluderVolumesCuller::around(lender->boxes(), occludersOf(*scene), options_, clock);
+    const PreparedBoxes* lent = boxesOf(sibling);
+    if (lent == nullptr) return prepare(std::move(scene), clock);
+    return OccluderVolumesCuller::around(*lent, occludersOf(*scene), options_, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }
   std::unique_ptr<const Method> with(const SettingValues& values) const override {

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "culling/spatial/frustum_walk.h"
+#include "culling/spatial/oriented_box.h"
 
 namespace culld {
 namespace {
@@ -11,10 +12,6 @@ namespace {
 constexpr std::uint32_t kNodesPerLook = 16;  ///< between two looks at the clock
 // Nanoseconds of counted work, measured (docs/methods/occluder-volumes.md).
 constexpr std::uint64_t kNodeNs = 240, kPlaneTestNs = 6;
-
-bool turned(const std::array<double, 12>& m) {
-  return m[1] != 0.0 || m[2] != 0.0 || m[4] != 0.0 || m[6] != 0.0 || m[8] != 0.0 || m[9] != 0.0;
-}
 
 }  // namespace
 

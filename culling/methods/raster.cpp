@@ -46,7 +46,7 @@ class RasterCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders, const Clock& clock) {
@@ -73,10 +73,10 @@ class RasterMethod final : public Method {
   }
   Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
                                                 const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr) return prepare(std::move(scene), clock);
+    const PreparedBoxes* lent = boxesOf(sibling);
+    if (lent == nullptr) return prepare(std::move(scene), clock);
     auto occluders = std::make_shared<const OccluderSet>(OccluderSet::of(*scene));
-    return RasterCuller::around(lender->boxes(), std::move(occluders), clock);
+    return RasterCuller::around(*lent, std::move(occluders), clock);
   }
 };
 

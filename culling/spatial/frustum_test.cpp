@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 
@@ -53,22 +54,26 @@ FrustumTest::FrustumTest(const Camera& camera, const Box& everything) : eye_(cam
     turn_ = 2.0 * std::sin(std::min(motion.angle_rad, std::numbers::pi) / 2.0) * kUp;
   }
   shift_ = motion.radius_m * kUp;
-  for (const glm::dvec4* row : {&camera.x_row, &camera.y_row}) {
-    const double parts = largest(camera.w_row) + largest(*row);
-    add(camera.w_row + *row, parts, reach);
-    add(camera.w_row - *row, parts, reach);
+  const std::array<const glm::dvec4*, 2> across{&camera.x_row, &camera.y_row};
+  for (std::size_t i = 0; i < across.size(); ++i) {
+    const glm::dvec4& row = *across[i];
+    const double parts = largest(camera.w_row) + largest(row);
+    const PlaneMask low = add(camera.w_row + row, parts, reach);
+    const PlaneMask high = add(camera.w_row - row, parts, reach);
+    middles_[i] = {row, low, high};
   }
-  for (const glm::dvec4* cut : {&camera.near_cut_row, &camera.far_cut_row}) {
-    add(*cut, largest(camera.w_row) + largest(camera.z_row), reach);
-  }
+  const double parts = largest(camera.w_row) + largest(camera.z_row);
+  const PlaneMask near = add(camera.near_cut_row, parts, reach);
+  const PlaneMask far = add(camera.far_cut_row, parts, reach);
+  middles_[2] = {camera.near_cut_row - camera.far_cut_row, near, far};
 }
 
-void FrustumTest::add(const glm::dvec4& sum, double parts, double reach) {
+PlaneMask FrustumTest::add(const glm::dvec4& sum, double parts, double reach) {
   const double scale = largest(sum);
   // What is left of a far plane at infinity is rounding dust: no direction to trust. No plane culls
   // nothing, which is always right.
   constexpr double kDust = 0x1p-40;
-  if (!(scale > kDust * parts)) return;
+  if (!(scale > kDust * parts)) return 0;
   const glm::dvec4 scaled = sum / scale;
   const glm::dvec3 direction(scaled);
   const double length =
@@ -83,6 +88,55 @@ void FrustumTest::add(const glm::dvec4& sum, double parts, double reach) {
     const bool subnormal = n != 0.0 && std::abs(n) < 0x1p-126;
     if (subnormal) plane.tiny_slack += 0x1p-148 * reach;
   }
+  return static_cast<PlaneMask>(1U << (count_ - 1));
+}
+
+/// Leaving a plane out is right whatever the octant; so nothing here needs a margin.
+PlaneMask FrustumTest::inOctant(const WideNode& node, std::size_t lane, PlaneMask planes,
+                                std::uint64_t& tests) const noexcept {
+  for (const Middle& middle : middles_) {
+    const PlaneMask both = middle.on_positive | middle.on_negative;
+    if ((planes & both) != both) continue;  // its half is known already
+    ++tests;
+    double least = middle.row.w, most = middle.row.w;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<int>(axis);
+      const double to_node = node.origin[axis] - eye_[a], n = middle.row[a];
+      const double x = n * (to_node + static_cast<double>(node.offsets[kMinX + axis][lane]));
+      const double y = n * (to_node + static_cast<double>(node.offsets[kMaxX + axis][lane]));
+      least += std::min(x, y);
+      most += std::max(x, y);
+    }
+    if (least >= 0.0) planes = static_cast<PlaneMask>(planes & ~middle.on_positive);
+    if (most <= 0.0) planes = static_cast<PlaneMask>(planes & ~middle.on_negative);
+  }
+  return planes;
+}
+
+bool FrustumTest::outside(const OrientedBox& box, PlaneMask planes, bool sphere_first,
+                          std::uint64_t& tests) const noexcept {
+  const glm::dvec3 to_box = box.centre - eye_;
+  const double reach = sumAbs(to_box) + box.reach;  // of all that is added up below
+  const double turn = turn_ * reach * kUp;
+  for (std::uint32_t p = 0; p < count_; ++p) {
+    if ((planes >> p & 1U) == 0) continue;
+    const Plane& plane = planes_[p];
+    const double value = (plane.normal.x * to_box.x + plane.normal.y * to_box.y) +
+                         (plane.normal.z * to_box.z + plane.distance) + shift_;
+    const double margin = kDoubleSlack * (reach + sumAbs(box.centre) + sumAbs(eye_) +
+                                          std::abs(plane.distance) + shift_) +
+                          turn + kUnderflowSlack;
+    if (sphere_first) {
+      ++tests;
+      if (value + box.radius + margin < 0.0) return true;
+      if (value - box.radius - margin > 0.0) continue;
+    }
+    ++tests;
+    double sides = 0.0;
+    for (const glm::dvec3& half : box.half) sides += std::abs(glm::dot(plane.normal, half));
+    if (value + sides + margin < 0.0) return true;
+  }
+  return false;
 }
 
 NodePlanes FrustumTest::forNode(const WideNode& node, PlaneMask mask) const noexcept {

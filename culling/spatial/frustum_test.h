@@ -7,6 +7,7 @@
 
 #include "culling/core/camera.h"
 #include "culling/spatial/frustum_kernels.h"
+#include "culling/spatial/oriented_box.h"
 #include "culling/spatial/wide_bvh.h"
 
 namespace culld {
@@ -44,6 +45,16 @@ class FrustumTest {
   /// the camera's motion bound.
   LaneVerdicts test(const WideNode& node, PlaneMask planes) const noexcept;
 
+  /// `planes` without those that can leave out nothing of a lane, as it lies in the octant of the
+  /// frustum that is away from them (Assarsson, Moller 2000). `tests` grows by the planes asked.
+  PlaneMask inOctant(const WideNode& node, std::size_t lane, PlaneMask planes,
+                     std::uint64_t& tests) const noexcept;
+
+  /// Is all of the box surely outside one of `planes`, for every pose? `sphere_first`: the sphere
+  /// around it is asked before its sides. `tests` grows by the comparisons with a plane.
+  bool outside(const OrientedBox& box, PlaneMask planes, bool sphere_first,
+               std::uint64_t& tests) const noexcept;
+
   /// The planes as `node` sees them, in the order of the bits of `planes`.
   NodePlanes forNode(const WideNode& node, PlaneMask planes) const noexcept;
 
@@ -54,10 +65,17 @@ class FrustumTest {
     std::array<float, 3> normal_float;
     double tiny_slack;  ///< what the smallest floats cannot express
   };
-  /// `parts`: size of the rows whose sum this is.
-  void add(const glm::dvec4& sum, double parts, double reach);
+  /// A plane through the middle of the frustum: what is on one side of it cannot be outside the
+  /// frustum's plane on the other side alone.
+  struct Middle {
+    glm::dvec4 row{0.0};
+    PlaneMask on_positive = 0, on_negative = 0;  ///< planes that then leave out nothing
+  };
+  /// `parts`: size of the rows whose sum this is. The plane's bit, none if it can cull nothing.
+  PlaneMask add(const glm::dvec4& sum, double parts, double reach);
 
   std::array<Plane, kMaxPlanes> planes_;
+  std::array<Middle, 3> middles_;
   std::uint32_t count_ = 0;
   glm::dvec3 eye_;
   double turn_ = 0.0;   ///< 2 sin(a / 2), rounded up

@@ -36,7 +36,8 @@ class PreparedBoxes {
 class HoldsBoxes {
  public:
   virtual ~HoldsBoxes() = default;
-  virtual const PreparedBoxes& boxes() const noexcept = 0;
+  /// nullptr if they are not of the culler's snapshot.
+  virtual const PreparedBoxes* boxes() const noexcept = 0;
 };
 
 }  // namespace culld
