@@ -242,6 +242,11 @@ void SceneBench::note(Runner& runner, std::size_t index, const Answer& answer,
     figures.missed = checked.missed;
     figures.missed_subpixel = checked.missed_subpixel;
   }
+  if (answer.guarantee == Guarantee::kApproximate) {
+    const auto said_px = static_cast<double>(answer.missed_px);
+    if (repetition == 0) figures.said_px = said_px;
+    figures.exceeded = figures.exceeded || checked.missed_px > said_px;
+  }
   if (!answer.made_by.empty()) ++runner.figures.made_by[std::string(answer.made_by)];
   if (repetition == 0) {
     figures.stats = answer.stats;

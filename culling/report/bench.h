@@ -62,9 +62,11 @@ struct CameraFigures {
   double answered = 0.0;                          ///< mean
   std::uint32_t missed = 0, missed_subpixel = 0;  ///< of the worst repetition
   double missed_px = 0.0;                         ///< of the worst repetition
-  double work_us = 0.0;                           ///< counted and priced (CullStats::work), mean
-  std::uint32_t out_of_budget = 0;                ///< repetitions cut short
-  report::Spread time_us;                         ///< over the repetitions
+  std::optional<double> said_px;    ///< an approximate answer's bound or estimate, first repetition
+  bool exceeded = false;            ///< and it missed more, in any repetition
+  double work_us = 0.0;             ///< counted and priced (CullStats::work), mean
+  std::uint32_t out_of_budget = 0;  ///< repetitions cut short
+  report::Spread time_us;           ///< over the repetitions
   std::size_t answer_bytes = 0,
               change_bytes = 0;  ///< first repetition: whole; after the camera before
   CullStats stats;               ///< first repetition

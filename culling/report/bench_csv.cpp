@@ -45,7 +45,7 @@ constexpr const char* kHead =
     "camera_us_max,relative_time,relative_time_min,work_us,relative_work,out_of_budget,left_out_by_"
     "frustum,"
     "left_out_by_occlusion,occlusion_extra_us,nodes_visited,tested,occluders_drawn,"
-    "triangles_drawn\n";
+    "triangles_drawn,lossy,said_px,lossy_missed_px,exceeded\n";
 
 std::string rowOf(const SceneFigures& scene, const BenchRun& run) {
   const MethodFigures& method = scene.methods[run.method];
@@ -71,6 +71,7 @@ std::string rowOf(const SceneFigures& scene, const BenchRun& run) {
   row.number(sum.outside).number(sum.occluded).number(sum.extra_us);
   row.number(sum.nodes_visited).number(sum.tested);
   row.number(sum.occluders_drawn).number(sum.triangles_drawn);
+  row.count(sum.lossy).number(sum.said_px).number(sum.lossy_missed_px).count(sum.exceeded);
   return row.line();
 }
 

@@ -58,13 +58,14 @@ class Cells {
   std::string html_;
 };
 
-constexpr std::array<const char*, 20> kHeads{
+constexpr std::array<const char*, 21> kHeads{
     "<th class=\"l\">method</th>",
     "<th class=\"l\">setting</th>",
     "<th class=\"l\">guarantee</th>",
     "<th>broken<small>answers</small></th>",
     "<th>missed<small>pixels + below</small></th>",
     "<th>missed<small>px</small></th>",
+    "<th>lossy answers<small>px said / px lost / exceeded</small></th>",
     "<th>answered<small>per camera</small></th>",
     "<th>excess</th>",
     "<th>culled<small>of what could be</small></th>",
@@ -80,6 +81,13 @@ constexpr std::array<const char*, 20> kHeads{
     "<th>triangles<small>drawn</small></th>",
     "<th>answer<small>whole / as a change</small></th>"};
 
+/// Is what approximate answers say true? "1200 / 310 / 1 of 24"
+std::string lossText(const RunSummary& sum) {
+  if (sum.lossy == 0) return "&ndash;";
+  return shortNumber(sum.said_px) + " / " + shortNumber(sum.lossy_missed_px) + " / " +
+         std::to_string(sum.exceeded) + " of " + std::to_string(sum.lossy);
+}
+
 std::string rowOf(const SceneRows& rows, std::size_t i) {
   const BenchRun& run = rows.scene.runs[i];
   const RunSummary& sum = rows.rows[i];
@@ -90,7 +98,8 @@ std::string rowOf(const SceneRows& rows, std::size_t i) {
   cells.left(std::string(guaranteeName(method.guarantee)));
   cells.number(static_cast<double>(run.breaches));
   cells.text(std::to_string(sum.missed) + " + " + std::to_string(sum.missed_subpixel));
-  cells.number(sum.missed_px).number(sum.answered).number(sum.excess);
+  cells.number(sum.missed_px).text(lossText(sum));
+  cells.number(sum.answered).number(sum.excess);
   cells.text(percent(sum.culled_share));
   cells.text(shortTime(sum.low_us) + " \u2013 " + shortTime(sum.mean_us) + " \u2013 " +
              shortTime(sum.high_us));

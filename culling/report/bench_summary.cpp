@@ -79,6 +79,11 @@ void addErrors(const SceneFigures& scene, const BenchRun& run, RunSummary& sum) 
     sum.missed += camera.missed;
     sum.missed_subpixel += camera.missed_subpixel;
     sum.missed_px += camera.missed_px;
+    if (!camera.said_px) continue;
+    ++sum.lossy;
+    sum.said_px += *camera.said_px;
+    sum.lossy_missed_px += camera.missed_px;
+    sum.exceeded += camera.exceeded ? 1U : 0U;
   }
   for (const TruthFigures& truth : scene.truthOf(run)) {
     sum.in_frustum += static_cast<double>(truth.in_frustum);

@@ -12,6 +12,10 @@ namespace culld::report {
 struct RunSummary {
   std::uint64_t missed = 0, missed_subpixel = 0;  ///< over all cameras
   double missed_px = 0.0;                         ///< over all cameras
+  /// Is what approximate answers say about their loss true? Their number, the pixels that they say
+  /// they may have lost, those that they did lose, and how many lost more than they say.
+  std::uint64_t lossy = 0, exceeded = 0;
+  double said_px = 0.0, lossy_missed_px = 0.0;
   double in_frustum = 0.0, visible = 0.0, answered = 0.0;
   std::optional<double> excess;        ///< answered / visible
   std::optional<double> culled_share;  ///< of what is in the frustum and not visible

@@ -70,6 +70,35 @@ TEST_F(Bench, CountsWhatIsAnsweredBesideTheTruth) {
   EXPECT_EQ(exact.missed + exact.missed_subpixel, 0U);
 }
 
+TEST_F(Bench, HoldsWhatApproximateAnswersSayAgainstTheTruth) {
+  const auto saying = [](float px) {
+    return [px](const Camera&, const Demand&) {
+      Answer answer;
+      answer.visible = {0, 1, 3};  // 2 is visible
+      answer.guarantee = Guarantee::kApproximate;
+      answer.proven = false;
+      answer.missed_px = px;
+      return answer;
+    };
+  };
+  const ScriptedMethod humble("humble", Guarantee::kApproximate, saying(1e6F));
+  const ScriptedMethod bold("bold", Guarantee::kApproximate, saying(1.0F));
+  const BenchReport report = reportOf({&frustum_, &humble, &bold});
+  const SceneFigures& figures = report.scenes[0];
+  const RunSummary sums[] = {summaryOf(figures, figures.runs[0]),
+                             summaryOf(figures, figures.runs[1]),
+                             summaryOf(figures, figures.runs[2])};
+  EXPECT_EQ(sums[0].lossy, 0U);
+  EXPECT_EQ(sums[1].lossy, 1U);
+  EXPECT_EQ(sums[1].exceeded, 0U);
+  EXPECT_DOUBLE_EQ(sums[1].said_px, 1e6);
+  EXPECT_GT(sums[1].lossy_missed_px, 50.0);
+  EXPECT_EQ(sums[2].exceeded, 1U);
+  EXPECT_NE(benchCsv(report).find(",lossy,said_px,lossy_missed_px,exceeded\n"), std::string::npos);
+  EXPECT_NE(benchHtml(report).find(" / 1 of 1"), std::string::npos);
+  EXPECT_NE(benchJson(report).find("\"exceeded\":1"), std::string::npos);
+}
+
 TEST_F(Bench, FindsThatAVisibleObjectWasLeftOut) {
   const BenchReport report = reportOf({&frustum_, &wrong_});
   const BenchRun& run = report.scenes[0].runs[1];
