@@ -56,7 +56,7 @@ class GpuDepthPyramidCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-  const PreparedBoxes& boxes() const noexcept override { return boxes_; }
+  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders,
