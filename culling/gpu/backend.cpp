@@ -28,8 +28,9 @@ struct Opened {
   std::string why_not = "no backend was asked for";
 };
 
+/// Never destroyed: at the end of the process the driver's own exit handlers may have run.
 Opened& opened() {
-  static Opened state;
+  static auto& state = *new Opened;
   return state;
 }
 

@@ -37,7 +37,7 @@ for backend in egl-surfaceless osmesa; do
     [ "$(sets $backend)" = "$(sets cpu)" ] || die "$backend: other answers than cpu"
     "$bin/culld" serve --listen 127.0.0.1:0 --backend $backend --scene "s=$work/s.glb" 2>"$work/log" &
     server=$!
-    for _ in $(seq 150); do grep -q ' ready' "$work/log" && break; sleep 0.1; done
+    for _ in $(seq 600); do grep -q ' ready' "$work/log" && break; sleep 0.1; done
     url=ws://$(sed -n 's/.*listening on //p' "$work/log" | head -1)
     gpu_cull=(--cameras "$work/c.json" --method gpu-depth-pyramid)
     "$bin/culld" cull "$work/s.glb" "${gpu_cull[@]}" --backend $backend -o "$work/here.json" || die "$backend: gpu-depth-pyramid here"
