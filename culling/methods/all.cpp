@@ -9,6 +9,7 @@
 #include "culling/methods/occluder_volumes.h"
 #include "culling/methods/occlusion_map.h"
 #include "culling/methods/polygon_tiling.h"
+#include "culling/methods/portals.h"
 #include "culling/methods/raster.h"
 #include "culling/methods/z_pyramid.h"
 #include "culling/planner/auto_method.h"
@@ -33,6 +34,7 @@ std::span<const Method* const> allMethods() noexcept {
       &horizonMethod(),
       &backfaceClustersMethod(),
       &gpuDepthPyramidMethod(),
+      &portalsMethod(),
       &automatic,
   };
   return methods;

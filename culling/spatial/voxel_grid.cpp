@@ -1,0 +1,152 @@
+#include "culling/spatial/voxel_grid.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace culld {
+namespace {
+
+/// Calls take(row, word, mask) for the words of a range until it returns false. Returns false then.
+template <typename Take>
+bool forEachWord(const VoxelRange& range, const Take& take) {
+  if (range.empty()) return true;
+  const std::uint32_t first = range.first[0] / VoxelBits::kWordBits;
+  const std::uint32_t last = (range.last[0] - 1) / VoxelBits::kWordBits;
+  for (std::uint32_t z = range.first[2]; z < range.last[2]; ++z) {
+    for (std::uint32_t y = range.first[1]; y < range.last[1]; ++y) {
+      for (std::uint32_t w = first; w <= last; ++w) {
+        if (!take(y, z, w, VoxelBits::mask(w, range.first[0], range.last[0]))) return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+bool VoxelRange::holds(const Voxel& v) const noexcept {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (v[axis] < first[axis] || v[axis] >= last[axis]) return false;
+  }
+  return true;
+}
+
+Voxel VoxelGrid::counts() const noexcept {
+  Voxel counts{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    counts[axis] = static_cast<std::uint32_t>(planes_[axis].size() - 1);
+  }
+  return counts;
+}
+
+Box VoxelGrid::boundsOf(const VoxelRange& range) const noexcept {
+  if (range.empty()) return {};
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    box.min[axis] = planes_[a][range.first[a]];
+    box.max[axis] = planes_[a][range.last[a]];
+  }
+  return box;
+}
+
+VoxelRange VoxelGrid::touching(const Box& box) const noexcept {
+  VoxelRange range;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const std::vector<double>& p = planes_[a];
+    const double low = box.min[axis], high = box.max[axis];
+    // The voxel before the first plane that is not below `low` ends on or beyond it.
+    const auto below = std::partition_point(p.begin(), p.end(), [&](double x) { return x < low; });
+    const auto above =
+        std::partition_point(p.begin(), p.end(), [&](double x) { return !(x > high); });
+    const auto first = static_cast<std::size_t>(below - p.begin());
+    const auto last = static_cast<std::size_t>(above - p.begin());
+    range.first[a] = static_cast<std::uint32_t>(first == 0 ? 0 : first - 1);
+    range.last[a] = static_cast<std::uint32_t>(std::min(last, p.size() - 1));
+    if (first == p.size() || last == 0) return {};
+  }
+  return range;
+}
+
+VoxelRange VoxelGrid::within(const Box& box) const noexcept {
+  VoxelRange range;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    const std::vector<double>& p = planes_[a];
+    const double low = box.min[axis], high = box.max[axis];
+    const auto first =
+        std::partition_point(p.begin(), p.end(), [&](double x) { return !(x >= low); });
+    const auto end = std::partition_point(p.begin(), p.end(), [&](double x) { return x <= high; });
+    if (end - first < 2) return {};
+    range.first[a] = static_cast<std::uint32_t>(first - p.begin());
+    range.last[a] = static_cast<std::uint32_t>(end - p.begin() - 1);
+  }
+  return range;
+}
+
+std::size_t VoxelGrid::bytes() const noexcept {
+  return (planes_[0].size() + planes_[1].size() + planes_[2].size()) * sizeof(double);
+}
+
+VoxelBits::VoxelBits(const Voxel& counts)
+    : counts_(counts),
+      words_per_row_((counts[0] + kWordBits - 1) / kWordBits),
+      words_(std::size_t{words_per_row_} * counts[1] * counts[2], 0) {}
+
+VoxelBits::Word VoxelBits::mask(std::uint32_t word, std::uint32_t first,
+                                std::uint32_t last) noexcept {
+  const std::uint32_t start = word * kWordBits;
+  const std::uint32_t from = std::clamp(first, start, start + kWordBits) - start;
+  const std::uint32_t to = std::clamp(last, start, start + kWordBits) - start;
+  if (from >= to) return 0;
+  return (~Word{0} >> (kWordBits - (to - from))) << from;
+}
+
+void VoxelBits::fill(const VoxelRange& range) noexcept {
+  forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
+    row(y, z)[w] |= mask;
+    return true;
+  });
+}
+
+void VoxelBits::clear(const VoxelRange& range) noexcept {
+  forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
+    row(y, z)[w] &= ~mask;
+    return true;
+  });
+}
+
+void VoxelBits::unite(const VoxelBits& part, const Voxel& at) noexcept {
+  for (std::uint32_t z = 0; z < part.counts_[2]; ++z) {
+    for (std::uint32_t y = 0; y < part.counts_[1]; ++y) {
+      const auto from = part.row(y, z);
+      const auto to = row(y + at[1], z + at[2]).subspan(at[0] / kWordBits);
+      for (std::size_t w = 0; w < from.size(); ++w) to[w] |= from[w];
+    }
+  }
+}
+
+void VoxelBits::subtract(const VoxelBits& other) noexcept {
+  for (std::size_t w = 0; w < words_.size(); ++w) words_[w] &= ~other.words_[w];
+}
+
+bool VoxelBits::any(const VoxelRange& range) const noexcept {
+  return !forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
+    return (row(y, z)[w] & mask) == 0;
+  });
+}
+
+bool VoxelBits::every(const VoxelRange& range) const noexcept {
+  return forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
+    return (row(y, z)[w] & mask) == mask;
+  });
+}
+
+std::uint64_t VoxelBits::count() const noexcept {
+  std::uint64_t sum = 0;
+  for (const Word word : words_) sum += static_cast<std::uint64_t>(std::popcount(word));
+  return sum;
+}
+
+}  // namespace culld
