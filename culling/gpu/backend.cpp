@@ -53,9 +53,23 @@ Attempt deviceAttempt(const EglDevice& device) {
   return {std::move(name), [index] { return openEglDevice(index); }};
 }
 
+/// Asked in a child first: to list its devices, EGL loads the drivers.
+Result<std::vector<EglDevice>> devicesTriedInChild(std::chrono::milliseconds limit) {
+  const auto probed = tryInChild(
+      [&]() -> Result<void> {
+        const auto devices = eglDevices();
+        if (!devices) return devices.error();
+        return Done{};
+      },
+      limit);
+  if (!probed) return probed.error();
+  return eglDevices();
+}
+
 /// Hardware first. `refused`: what is not even tried, and why.
-std::vector<Attempt> deviceAttempts(const BackendChoice& choice, std::string& refused) {
-  const auto devices = eglDevices();
+std::vector<Attempt> deviceAttempts(const BackendChoice& choice, std::chrono::milliseconds limit,
+                                    std::string& refused) {
+  const auto devices = devicesTriedInChild(limit);
   if (!devices) {
     refused = "egl-device: " + devices.error().message;
     return {};
@@ -79,16 +93,17 @@ std::vector<Attempt> deviceAttempts(const BackendChoice& choice, std::string& re
   return attempts;
 }
 
-std::vector<Attempt> attemptsFor(const BackendChoice& choice, std::string& refused) {
+std::vector<Attempt> attemptsFor(const BackendChoice& choice, std::chrono::milliseconds limit,
+                                 std::string& refused) {
   switch (choice.kind) {
     case Kind::kAuto:
       if (!anyGpuDeviceFile()) {
         refused = "egl-device: no GPU has a device file in /dev";
         return {};
       }
-      return deviceAttempts(choice, refused);
+      return deviceAttempts(choice, limit, refused);
     case Kind::kEglDevice:
-      return deviceAttempts(choice, refused);
+      return deviceAttempts(choice, limit, refused);
     case Kind::kEglSurfaceless:
       return {{"egl-surfaceless", openEglSurfaceless}};
     case Kind::kOsMesa:
@@ -146,7 +161,7 @@ Result<void> openBackend(const BackendChoice& choice, const BackendOptions& opti
   }
   std::string failures;
   setEnvironment();
-  const std::vector<Attempt> attempts = attemptsFor(choice, failures);
+  const std::vector<Attempt> attempts = attemptsFor(choice, options.probe_limit, failures);
   for (const Attempt& attempt : attempts) {
     auto made = tryOne(attempt, options);
     if (made) {

@@ -32,6 +32,8 @@ grep -q '^culld: backend egl-device:4000: no OpenGL backend: egl-device: ' "$wor
 
 opened=0
 for backend in egl-surfaceless osmesa; do
+  # OSMesa keeps memory until the process ends, in places where LeakSanitizer's tracer itself crashes now and then.
+  [ $backend = egl-surfaceless ] || export ASAN_OPTIONS="${ASAN_OPTIONS:-}:detect_leaks=0"
   if cull $backend; then
     [ ! -s "$work/said" ] || die "$backend said: $(cat "$work/said")"
     [ "$(sets $backend)" = "$(sets cpu)" ] || die "$backend: other answers than cpu"
