@@ -18,7 +18,7 @@ double faceOf(const VoxelGrid& grid, const VoxelRange& range) {
   return std::max({d.x * d.y, d.y * d.z, d.z * d.x});
 }
 
-constexpr std::uint64_t kMostWork = 300'000'000;  ///< words of bits looked at, about
+constexpr std::uint64_t kMostWork = 30'000'000;  ///< words of bits looked at, about
 
 std::uint64_t wordsOf(const VoxelRange& range) {
   return range.size() / (range.last[0] - range.first[0]) *

@@ -83,6 +83,13 @@ std::vector<double> refined(const std::vector<double>& planes, double step) {
   return out;
 }
 
+std::uint64_t mostVoxels(const SolidParts& parts, const VoxelLimits& limits) {
+  std::uint64_t triangles = 0;
+  for (const SolidPart& part : parts.parts()) triangles += part.part->triangles.size();
+  return std::min(limits.most_voxels,
+                  std::max(limits.few_voxels, limits.voxels_per_triangle * triangles));
+}
+
 }  // namespace
 
 double voxelSnap(const Box& world) noexcept {
@@ -106,10 +113,11 @@ VoxelGrid voxelGridFor(const SolidParts& parts, const Box& world, const VoxelLim
     planes[a] = wallPlanes(merged(std::move(walls[a]), snap), low[axis], high[axis], 4.0 * snap,
                            limits.most_wall_planes);
   }
+  const std::uint64_t most = mostVoxels(parts, limits);
   for (double step = longest / limits.even_voxels;; step *= 1.25) {
     const VoxelGrid grid(
         {refined(planes[0], step), refined(planes[1], step), refined(planes[2], step)});
-    if (grid.all().size() <= limits.most_voxels || step > longest) return grid;
+    if (grid.all().size() <= most || step > longest) return grid;
   }
 }
 

@@ -11,6 +11,8 @@ struct VoxelLimits {
   std::uint64_t most_voxels = std::uint64_t{1} << 23U;
   std::uint32_t most_wall_planes = 160;  ///< per axis
   std::uint32_t even_voxels = 192;       ///< along the longest side, before walls are added
+  /// Few triangles are not worth many voxels: so many each, but not less than `few_voxels`.
+  std::uint64_t voxels_per_triangle = 2048, few_voxels = std::uint64_t{1} << 18U;
 };
 
 /// What a coordinate may be off without being told apart: rounding, of the largest coordinate.
