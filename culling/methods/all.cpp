@@ -21,6 +21,7 @@ std::span<const Method* const> allMethods() noexcept {
   static ConfiguredMethods configured(volumes);
   // Hulls are most of what volumes cost to prepare, and seldom what hides.
   static const Method* const stages[] = {&frustumMethod(), &rasterMethod(), &horizonMethod(),
+                                         &portalsMethod(),
                                          configured.find("occluder-volumes:hulls=off").value()};
   static const AutoMethod automatic(stages);
   static const Method* const methods[] = {
