@@ -102,10 +102,12 @@ VoxelGrid voxelGridFor(const SolidParts& parts, const Box& world, const VoxelLim
   std::array<Walls, 3> walls = wallsOf(parts, snap);
   std::array<std::vector<double>, 3> planes;
   glm::dvec3 low = world.min, high = world.max;
+  const glm::dvec3 extent = high - low;
+  const double thinnest = 1e-3 * std::max({extent.x, extent.y, extent.z}) + 1e-300;
   double longest = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
     // Flat scenes get a voxel of some thickness.
-    const double room = 1e-3 * std::max(high[axis] - low[axis], 1e-3) + 16.0 * snap;
+    const double room = 1e-3 * std::max(extent[axis], thinnest) + 16.0 * snap;
     low[axis] -= room;
     high[axis] += room;
     longest = std::max(longest, high[axis] - low[axis]);
