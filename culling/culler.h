@@ -118,6 +118,7 @@ class Culler {
   virtual Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const = 0;
   /// The same method for the next version of the scene, refitted rather than rebuilt.
   /// REQUIRES: `next` came from this culler's snapshot by edits of the objects in `changed`.
+  /// ERROR: kUnavailable: it cannot follow, and the method is to be prepared anew.
   virtual Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                                  std::span<const ObjectId> changed) const = 0;
   /// Bytes that this culler holds beyond the snapshot.

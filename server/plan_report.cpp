@@ -41,29 +41,30 @@ json sceneJson(const SceneSnapshot& scene, const SceneProfile& profile) {
           {"upright", shape.upright}};
 }
 
+double mean(std::span<const PlannedView> views, std::uint32_t PlannedView::*part) {
+  double sum = 0.0;
+  for (const PlannedView& view : views) sum += view.*part;
+  return views.empty() ? 0.0 : sum / static_cast<double>(views.size());
+}
+
+/// What a stage brings beside what answers where it is off.
+json stageJson(const Plan& plan, const PlannedStage& stage) {
+  const double without = mean(stage.views, &PlannedView::base_visible);
+  return {{"method", std::string(stage.method->info().name)},
+          {"sampled", stage.views.size()},
+          {"in_frustum", mean(stage.views, &PlannedView::in_frustum)},
+          {"answered_without", without},
+          {"answered_with", mean(stage.views, &PlannedView::visible)},
+          {"work_us", us(stage.meanWork())},
+          {"pays_in", stage.paysIn()},
+          {"gain_us", us(stage.meanGain())},
+          {"gain_at_most_us", us(plan.object_price) * without}};
+}
+
 json viewsJson(const Plan& plan) {
-  std::vector<double> in_frustum, base, visible, gain_us;
-  for (const PlannedView& view : plan.views) {
-    in_frustum.push_back(view.in_frustum);
-    base.push_back(view.base_visible);
-    visible.push_back(view.visible);
-    gain_us.push_back(us(view.gain));
-  }
-  const auto mean = [](const std::vector<double>& values) {
-    double sum = 0.0;
-    for (const double value : values) sum += value;
-    return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
-  };
-  const auto pays = std::count_if(gain_us.begin(), gain_us.end(), [](double g) { return g > 0.0; });
-  return {{"sampled", plan.views.size()},
-          {"counted_work_ms", 1e-3 * us(plan.planning_work)},
-          {"in_frustum", mean(in_frustum)},
-          {"answered_without_occlusion", mean(base)},
-          {"answered_with_occlusion", mean(visible)},
-          {"occlusion_work_us", us(plan.meanOcclusionWork())},
-          {"occlusion_pays_in", pays},
-          {"occlusion_gain_us", mean(gain_us)},
-          {"occlusion_gain_at_most_us", us(plan.object_price) * mean(base)}};
+  json stages = json::array();
+  for (const PlannedStage& stage : plan.stages) stages.push_back(stageJson(plan, stage));
+  return {{"counted_work_ms", 1e-3 * us(plan.planning_work)}, {"stages", std::move(stages)}};
 }
 
 /// Over all pixels of all views.
@@ -92,11 +93,11 @@ json line(const std::string& what, const std::string& why) {
 
 json usedJson(const SceneSnapshot& scene, const Plan& plan, const Culler& culler) {
   const bool flat = scene.objectCount() <= WideBvh::kFewObjects;
-  std::string why = flat ? "a flat list of boxes" : "a hierarchy";
-  if (!plan.why_base.empty()) why += "; " + plan.why_base;
-  json used = json::array({line(std::string(plan.base->info().name), why)});
-  if (plan.occlusion_built)
-    used.push_back(line(std::string(plan.occlusion->info().name), plan.why));
+  json used = json::array({line(std::string(plan.frustum->info().name),
+                                flat ? "a flat list of boxes" : "a hierarchy")});
+  for (const PlannedStage& stage : plan.stages) {
+    if (stage.built) used.push_back(line(std::string(stage.method->info().name), stage.why));
+  }
   return {{"stages", used}, {"prepared_bytes", culler.preparedBytes()}};
 }
 
@@ -105,11 +106,11 @@ json leftOutJson(const SceneSnapshot& scene, const Plan& plan) {
   if (scene.objectCount() <= WideBvh::kFewObjects) {
     out.push_back(line("hierarchy of boxes", "few objects: a flat list answers sooner"));
   }
-  if (plan.occlusion == nullptr) {
-    out.push_back(line("occlusion", plan.why));
-  } else if (!plan.occlusion_built) {
-    out.push_back(line("occlusion (" + std::string(plan.occlusion->info().name) + ")",
-                       plan.why + "; not built, built if a view's retry asks for it"));
+  if (plan.stages.empty()) out.push_back(line("occlusion", plan.why));
+  for (const PlannedStage& stage : plan.stages) {
+    if (stage.built) continue;
+    out.push_back(line("occlusion (" + std::string(stage.method->info().name) + ")",
+                       stage.why + "; not built, built if a view's retry asks for it"));
   }
   for (const StageLeftOut& other : plan.others) {
     out.push_back(line(std::string(other.name), other.why));
@@ -145,7 +146,7 @@ void walk(const SceneSnapshot& scene, std::span<const Camera> cameras, const Pla
             share * static_cast<double>(scene.mesh(scene.instance(id).mesh).triangles.size());
       }
       const std::string_view maker = answer.made_by.empty() ? c.name : answer.made_by;
-      if (plan.occlusion != nullptr && maker == plan.occlusion->info().name) ++c.by_occlusion;
+      if (maker != plan.frustum->info().name) ++c.by_occlusion;
     }
   }
 }
@@ -154,8 +155,9 @@ Result<json> camerasJson(const SnapshotPtr& scene, const Plan& plan, const Culle
                          std::span<const Camera> cameras) {
   std::vector<std::unique_ptr<Culler>> owned;
   std::vector<Contender> contenders;
-  for (const Method* method : {plan.base, plan.occlusion}) {
-    if (method == nullptr) continue;
+  std::vector<const Method*> methods{plan.frustum};
+  for (const PlannedStage& stage : plan.stages) methods.push_back(stage.method);
+  for (const Method* method : methods) {
     auto culler = method->prepare(scene);
     if (!culler) return std::move(culler).error();
     owned.push_back(std::move(culler).value());

@@ -10,13 +10,17 @@ std::optional<PlanSummary> summarizePlan(const SceneVersion& version) {
   const Plan* plan = culler == nullptr ? nullptr : planOf(*culler);
   if (plan == nullptr) return std::nullopt;
   PlanSummary summary;
-  summary.stages.push_back(plan->base->info().name);
-  if (plan->occlusion != nullptr) summary.stages.push_back(plan->occlusion->info().name);
-  summary.occlusion = plan->occlusion == nullptr ? "left out"
-                      : plan->occlusion_built    ? "on"
-                                                 : "when a view shows that it pays";
+  summary.stages.push_back(plan->frustum->info().name);
+  bool on = false;
+  for (const PlannedStage& stage : plan->stages) {
+    summary.stages.push_back(stage.method->info().name);
+    on = on || stage.built;
+    summary.gain_us += std::chrono::duration<double, std::micro>(stage.meanGain()).count();
+  }
+  summary.occlusion = plan->stages.empty() ? "left out"
+                      : on                 ? "on"
+                                           : "when a view shows that it pays";
   summary.why = plan->why;
-  summary.gain_us = std::chrono::duration<double, std::micro>(plan->meanGain()).count();
   return summary;
 }
 

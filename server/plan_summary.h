@@ -11,9 +11,9 @@ namespace culld::server {
 
 struct PlanSummary {
   std::vector<std::string_view> stages;  ///< names of methods
-  std::string_view occlusion;            ///< whether that stage is on
-  std::string why;                       ///< one line about it
-  double gain_us = 0;                    ///< of it, per sampled view
+  std::string_view occlusion;            ///< whether one of them is on beside the frustum
+  std::string why;                       ///< one line about them
+  double gain_us = 0;                    ///< of all of them, per sampled view
 };
 
 /// None while no view has asked `auto` about this version. Does not wait. THREADS: any.

@@ -46,19 +46,19 @@ void sceneText(const json& scene, std::ostream& out) {
 
 void viewsText(const json& report, std::ostream& out) {
   const json& views = report["views"];
-  if (views["sampled"].get<int>() == 0) return;
-  out << "  sampled views      " << count(views["sampled"]) << ", for "
-      << number(views["counted_work_ms"]) << " ms of counted work: " << number(views["in_frustum"])
-      << " objects in the frustum, " << number(views["answered_without_occlusion"])
-      << " answered without occlusion, " << number(views["answered_with_occlusion"])
-      << " with it\n";
   const json& prices = report["prices"];
-  out << "  occlusion          costs " << number(views["occlusion_work_us"])
-      << " us a view, pays in " << count(views["occlusion_pays_in"]) << " of them and brings "
-      << number(views["occlusion_gain_us"]) << " us on average (at most "
-      << number(views["occlusion_gain_at_most_us"]) << "), with an object sent at "
-      << number(prices["object_us"]) << " us and a triangle at " << number(prices["triangle_us"])
-      << " us\n";
+  if (views["stages"].empty()) return;
+  out << "  looking around     " << number(views["counted_work_ms"])
+      << " ms of counted work, with an object sent at " << number(prices["object_us"])
+      << " us and a triangle at " << number(prices["triangle_us"]) << " us\n";
+  for (const json& stage : views["stages"]) {
+    out << "  " << words(stage["method"]) << ": of " << number(stage["in_frustum"])
+        << " objects in the frustum, " << number(stage["answered_without"])
+        << " answered without it and " << number(stage["answered_with"]) << " with it, for "
+        << number(stage["work_us"]) << " us a view; pays in " << count(stage["pays_in"]) << " of "
+        << count(stage["sampled"]) << " sampled views and brings " << number(stage["gain_us"])
+        << " us on average (at most " << number(stage["gain_at_most_us"]) << ")\n";
+  }
 }
 
 void depthText(const json& depth, std::ostream& out) {

@@ -14,7 +14,7 @@ namespace {
 
 using SharedOccluders = std::shared_ptr<const VolumeOccluders>;
 
-class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
+class OccluderVolumesCuller final : public Culler {
  public:
   OccluderVolumesCuller(PreparedBoxes boxes, SharedOccluders occluders,
                         const OccluderVolumesOptions& options, const Clock& clock)
@@ -50,8 +50,6 @@ class OccluderVolumesCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-
-  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders,

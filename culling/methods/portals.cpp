@@ -43,7 +43,7 @@ std::string_view whyNot(const SolidOccluders& solids, const Camera& camera) {
   return "the eye is within a solid or too near to one";
 }
 
-class PortalsCuller final : public Culler, public HoldsBoxes {
+class PortalsCuller final : public Culler {
  public:
   PortalsCuller(PreparedBoxes boxes, SolidOccluders solids, std::uint32_t most_boxes,
                 const Clock& clock)
@@ -77,7 +77,6 @@ class PortalsCuller final : public Culler, public HoldsBoxes {
   }
 
   std::size_t preparedBytes() const noexcept override { return boxes_.bytes() + solids_.bytes(); }
-  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 Result<SolidOccluders> solids,
@@ -114,9 +113,9 @@ class PortalsMethod final : public Method {
   }
   Result<std::unique_ptr<Culler>> prepareBeside(const Culler& sibling, SnapshotPtr scene,
                                                 const Clock& clock) const override {
-    const auto* lender = dynamic_cast<const HoldsBoxes*>(&sibling);
-    if (lender == nullptr || lender->boxes() == nullptr) return prepare(std::move(scene), clock);
-    return PortalsCuller::around(*lender->boxes(), SolidOccluders::of(*scene, options_.solids),
+    const PreparedBoxes* lent = boxesOf(sibling);
+    if (lent == nullptr) return prepare(std::move(scene), clock);
+    return PortalsCuller::around(*lent, SolidOccluders::of(*scene, options_.solids),
                                  options_.most_boxes, clock);
   }
   std::span<const Setting> settings() const noexcept override { return kSettings; }

@@ -13,7 +13,7 @@ namespace {
 
 using SharedOccluders = std::shared_ptr<const OccluderSet>;
 
-class RasterCuller final : public Culler, public HoldsBoxes {
+class RasterCuller final : public Culler {
  public:
   RasterCuller(PreparedBoxes boxes, SharedOccluders occluders, const Clock& clock)
       : boxes_(std::move(boxes)), occluders_(std::move(occluders)), clock_(clock) {}
@@ -46,7 +46,6 @@ class RasterCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders, const Clock& clock) {

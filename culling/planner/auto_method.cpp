@@ -4,24 +4,51 @@
 #include <atomic>
 #include <cstdlib>
 #include <mutex>
-#include <optional>
 #include <utility>
+#include <vector>
 
 #include "culling/planner/watch.h"
 
 namespace culld {
 namespace {
 
-/// What a view of an `auto` culler keeps. The watch outlives edits of the scene while the plan
-/// does; what the stages keep does not.
+/// What a view of an `auto` culler keeps. Watches outlive edits of the scene while the plan does;
+/// what the methods keep does not.
 struct AutoMemory final : ViewState::Memory {
+  struct Stage {
+    Watch watch;
+    ViewState view;
+  };
   bool sceneEdited() override {
-    base = ViewState();
-    occlusion = ViewState();
+    frustum = ViewState();
+    for (Stage& stage : stages) stage.view = ViewState();
     return true;
   }
-  std::optional<Watch> watch;
-  ViewState base, occlusion;
+  void follow(const std::shared_ptr<const Plan>& next) {
+    if (plan == next) return;
+    plan = next;
+    stages.clear();
+    for (std::size_t i = 0; i < plan->stages.size(); ++i) stages.push_back({Watch(plan, i), {}});
+  }
+  std::shared_ptr<const Plan> plan;
+  std::vector<Stage> stages;
+  ViewState frustum;
+};
+
+/// A stage's culler, built at once or when it is first wanted.
+struct LazyStage {
+  std::mutex building;
+  std::unique_ptr<Culler> culler;  ///< written once, under `building`
+  std::atomic<bool> ready{false};  ///< then read without it
+  bool failed = false;
+
+  const Culler* built() const noexcept {
+    return ready.load(std::memory_order_acquire) ? culler.get() : nullptr;
+  }
+  void set(std::unique_ptr<Culler> made) {
+    culler = std::move(made);
+    ready.store(culler != nullptr, std::memory_order_release);
+  }
 };
 
 /// Objects shown of those that an edit touched.
@@ -41,20 +68,21 @@ bool outgrown(std::uint64_t planned, std::int64_t shown) {
 class AutoCuller final : public Culler {
  public:
   /// `shown`: objects of the scene that are shown.
-  AutoCuller(std::span<const Method* const> stages, SnapshotPtr scene, std::int64_t shown,
-             PreparedPlan prepared, const Clock& clock)
-      : stages_(stages),
-        scene_(std::move(scene)),
+  AutoCuller(SnapshotPtr scene, std::int64_t shown, PreparedPlan prepared, const Clock& clock)
+      : scene_(std::move(scene)),
         shown_(shown),
         plan_(std::move(prepared.plan)),
-        base_(std::move(prepared.base)),
-        occlusion_(std::move(prepared.occlusion)),
-        occlusion_ready_(occlusion_ != nullptr),
-        clock_(clock) {}
+        frustum_(std::move(prepared.frustum)),
+        lazy_(plan_->stages.size()),
+        clock_(clock) {
+    for (std::size_t i = 0; i < prepared.stages.size(); ++i)
+      lazy_[i].set(std::move(prepared.stages[i]));
+  }
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
     const auto start = clock_.now();
     auto& memory = view.memory<AutoMemory>();
+    memory.follow(plan_);
     Answer answer = cullWith(camera, demand, memory);
     answer.stats.time = clock_.now() - start;
     return answer;
@@ -64,97 +92,83 @@ class AutoCuller final : public Culler {
                                          std::span<const ObjectId> changed) const override {
     const std::int64_t shown = shown_ - shownOf(*scene_, changed) + shownOf(*next, changed);
     if (outgrown(plan_->profile.objects, shown)) {
-      if (auto anew = planned(stages_, next, clock_)) return anew;
+      return Error{ErrorCode::kUnavailable,
+                   "auto: the plan was made for another number of objects"};
     }
     PreparedPlan prepared;
     prepared.plan = plan_;
-    auto base = base_->edited(next, changed);
-    if (!base) return std::move(base).error();
-    prepared.base = std::move(base).value();
-    if (occlusion_ready_.load(std::memory_order_acquire)) {
-      // A stage that cannot follow is built anew when it is next wanted.
-      auto occlusion = occlusion_->edited(next, changed);
-      if (occlusion) prepared.occlusion = std::move(occlusion).value();
+    auto frustum = frustum_->edited(next, changed);
+    if (!frustum) return std::move(frustum).error();
+    prepared.frustum = std::move(frustum).value();
+    for (const LazyStage& stage : lazy_) {
+      prepared.stages.emplace_back();
+      if (const Culler* built = stage.built()) {
+        // One that cannot follow is built anew when it is next wanted.
+        if (auto follows = built->edited(next, changed))
+          prepared.stages.back() = std::move(follows).value();
+      }
     }
     return std::unique_ptr<Culler>(
-        std::make_unique<AutoCuller>(stages_, std::move(next), shown, std::move(prepared), clock_));
-  }
-
-  /// For a scene that nothing is known of.
-  static Result<std::unique_ptr<Culler>> planned(std::span<const Method* const> stages,
-                                                 SnapshotPtr scene, const Clock& clock) {
-    auto prepared = makePlan(scene, stages, clock);
-    if (!prepared) return std::move(prepared).error();
-    const auto shown = static_cast<std::int64_t>(prepared.value().plan->profile.objects);
-    return std::unique_ptr<Culler>(std::make_unique<AutoCuller>(
-        stages, std::move(scene), shown, std::move(prepared).value(), clock));
+        std::make_unique<AutoCuller>(std::move(next), shown, std::move(prepared), clock_));
   }
 
   /// Stages that share what they prepared are each counted in full.
   std::size_t preparedBytes() const noexcept override {
-    std::size_t bytes = base_->preparedBytes();
-    if (occlusion_ready_.load(std::memory_order_acquire)) bytes += occlusion_->preparedBytes();
+    std::size_t bytes = frustum_->preparedBytes();
+    for (const LazyStage& stage : lazy_) {
+      if (const Culler* built = stage.built()) bytes += built->preparedBytes();
+    }
     return bytes;
   }
 
   const Plan& plan() const noexcept { return *plan_; }
 
  private:
+  /// By the last stage that pays here; those after it hear what was answered without them.
   Answer cullWith(const Camera& camera, const Demand& demand, AutoMemory& memory) const {
-    if (plan_->occlusion == nullptr) {
-      return baseAnswer(camera, demand, memory, "no occlusion: nothing to gain in this scene");
+    std::size_t answering = lazy_.size();
+    const Culler* culler = nullptr;
+    while (culler == nullptr && answering > 0) {
+      --answering;
+      if (memory.stages[answering].watch.wantsStage(camera)) culler = stageCuller(answering);
     }
-    if (!memory.watch || !memory.watch->follows(*plan_)) memory.watch.emplace(plan_);
-    const Culler* occlusion = memory.watch->wantsOcclusion(camera) ? occlusionCuller() : nullptr;
-    if (occlusion == nullptr) {
-      Answer answer = baseAnswer(camera, demand, memory, "no occlusion: it does not pay here");
-      memory.watch->sawBase(watched(answer));
-      return answer;
+    const bool by_stage = culler != nullptr;
+    ViewState& view = by_stage ? memory.stages[answering].view : memory.frustum;
+    Answer answer = (by_stage ? *culler : *frustum_).cull(camera, demand, view);
+    answer.made_by = (by_stage ? plan_->stages[answering].method : plan_->frustum)->info().name;
+    const WatchedFrame frame{answer.stats.work, answer.stats.in_frustum,
+                             static_cast<std::uint32_t>(answer.visible.size())};
+    if (by_stage) memory.stages[answering].watch.sawStage(frame);
+    const std::size_t after = by_stage ? answering + 1 : 0;
+    for (std::size_t i = after; i < lazy_.size(); ++i) memory.stages[i].watch.sawBase(frame);
+    if (answer.note.empty() && after < lazy_.size()) {
+      answer.note = by_stage ? "no further occlusion: it does not pay here"
+                             : "no occlusion: it does not pay here";
+    } else if (answer.note.empty() && lazy_.empty()) {
+      answer.note = "no occlusion: nothing to gain in this scene";
     }
-    Answer answer = occlusion->cull(camera, demand, memory.occlusion);
-    answer.made_by = plan_->occlusion->info().name;
-    memory.watch->sawOcclusion(watched(answer));
     return answer;
   }
 
-  Answer baseAnswer(const Camera& camera, const Demand& demand, AutoMemory& memory,
-                    const char* why) const {
-    Answer answer = base_->cull(camera, demand, memory.base);
-    answer.made_by = plan_->base->info().name;
-    if (answer.note.empty()) answer.note = why;
-    return answer;
-  }
-
-  static WatchedFrame watched(const Answer& answer) {
-    return {answer.stats.work, answer.stats.in_frustum,
-            static_cast<std::uint32_t>(answer.visible.size())};
-  }
-
-  /// Built when first wanted, from the base's boxes. Who comes meanwhile waits, so that no
-  /// view's answer hangs on another's.
-  const Culler* occlusionCuller() const {
-    if (occlusion_ready_.load(std::memory_order_acquire)) return occlusion_.get();
-    const std::scoped_lock lock(building_);
-    if (failed_) return nullptr;
-    if (occlusion_ == nullptr) {
-      auto built = plan_->occlusion->prepareBeside(*base_, scene_, clock_);
-      failed_ = !built;
-      if (failed_) return nullptr;
-      occlusion_ = std::move(built).value();
-      occlusion_ready_.store(true, std::memory_order_release);
+  /// Built when first wanted, from the frustum's boxes. Who comes meanwhile waits, so that no
+  /// view's answer hangs on another's. nullptr: it cannot be built.
+  const Culler* stageCuller(std::size_t index) const {
+    LazyStage& stage = lazy_[index];
+    if (const Culler* built = stage.built()) return built;
+    const std::scoped_lock lock(stage.building);
+    if (stage.culler == nullptr && !stage.failed) {
+      auto made = plan_->stages[index].method->prepareBeside(*frustum_, scene_, clock_);
+      stage.failed = !made;
+      if (made) stage.set(std::move(made).value());
     }
-    return occlusion_.get();
+    return stage.culler.get();
   }
 
-  std::span<const Method* const> stages_;
   SnapshotPtr scene_;
   std::int64_t shown_;
   std::shared_ptr<const Plan> plan_;
-  std::unique_ptr<Culler> base_;
-  mutable std::mutex building_;
-  mutable std::unique_ptr<Culler> occlusion_;  ///< written once, under building_
-  mutable std::atomic<bool> occlusion_ready_;  ///< then read without it
-  mutable bool failed_ = false;
+  std::unique_ptr<Culler> frustum_;
+  mutable std::vector<LazyStage> lazy_;  ///< of plan_->stages
   const Clock& clock_;
 };
 
@@ -171,7 +185,11 @@ Result<void> AutoMethod::accepts(const SceneProfile& profile) const {
 }
 
 Result<std::unique_ptr<Culler>> AutoMethod::prepare(SnapshotPtr scene, const Clock& clock) const {
-  return AutoCuller::planned(stages_, std::move(scene), clock);
+  auto prepared = makePlan(scene, stages_, clock);
+  if (!prepared) return std::move(prepared).error();
+  const auto shown = static_cast<std::int64_t>(prepared.value().plan->profile.objects);
+  return std::unique_ptr<Culler>(
+      std::make_unique<AutoCuller>(std::move(scene), shown, std::move(prepared).value(), clock));
 }
 
 const Plan* planOf(const Culler& culler) noexcept {

@@ -28,71 +28,74 @@ std::string inMs(nanoseconds time) {
   return text;
 }
 
-std::ptrdiff_t viewsThatPay(const Plan& plan) {
-  return std::count_if(plan.views.begin(), plan.views.end(),
-                       [](const PlannedView& view) { return view.gain.count() > 0; });
+std::string verdict(const PlannedStage& stage) {
+  return std::string(stage.method->info().name) + " pays in " + std::to_string(stage.paysIn()) +
+         " of " + std::to_string(stage.views.size()) + " sampled views, " + inMs(stage.meanGain()) +
+         " a view on average";
 }
 
-std::string verdict(const Plan& plan) {
-  return std::string(plan.occlusion->info().name) + " pays in " +
-         std::to_string(viewsThatPay(plan)) + " of " + std::to_string(plan.views.size()) +
-         " sampled views, " + inMs(plan.meanGain()) + " a view on average" +
-         (plan.why_base.empty() ? "" : ", beside " + std::string(plan.base->info().name));
-}
-
-/// The views of `occlusion`, with `base` in the place of the cheapest method.
-std::vector<PlannedView> viewsBeside(const StageTrial& base, std::vector<PlannedView> views) {
-  views.resize(std::min(views.size(), base.views.size()));
+/// Where `cheaper` pays, that is what answers without the stage.
+void setBeside(const StageTrial& cheaper, std::vector<PlannedView>& views) {
+  views.resize(std::min(views.size(), cheaper.views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
-    views[i].base_visible = base.views[i].visible;
-    views[i].base_work = base.views[i].occlusion_work;
-    views[i].gain -= base.views[i].gain;
+    const PlannedView& view = cheaper.views[i];
+    if (worth(view).count() == 0) continue;
+    views[i].base_visible = view.visible;
+    views[i].base_work = view.work;
+    views[i].gain -= view.gain;
   }
-  return views;
 }
 
-void explainOthers(std::span<const StageTrial> tried, const StageChoice& choice, Plan& plan) {
-  const StageTrial& best = tried[choice.occlusion];
+/// Sampled views are guesses at what clients will ask, so a stage is built if it pays in nearly
+/// half of them and on the whole.
+PlannedStage planned(const Method* method, std::vector<PlannedView> views) {
+  PlannedStage stage{method, std::move(views), {}, false};
+  stage.why = verdict(stage);
+  stage.built = 20 * stage.paysIn() >= 9 * stage.views.size() && stage.meanGain().count() > 0;
+  return stage;
+}
+
+void explain(std::span<const StageTrial> tried, const StageChoice& choice, Plan& plan) {
+  for (const PlannedStage& stage : plan.stages)
+    plan.why += (plan.why.empty() ? "" : "; ") + stage.why;
+  const StageTrial& best = tried[choice.best];
   for (std::size_t k = 0; k < tried.size(); ++k) {
-    if (k == choice.occlusion || choice.base == k) continue;
+    if (k == choice.best || choice.cheaper == k) continue;
     plan.others.push_back({tried[k].method->info().name,
                            "brings " + inMs(advantage(best, tried[k])) + " a view less than " +
                                std::string(best.method->info().name)});
   }
 }
 
-/// Sampled views are guesses at what clients will ask, so the occlusion stage is built if it pays
-/// in nearly half of them and on the whole.
 void decide(std::vector<StageTrial> tried, Plan& plan, PreparedPlan& prepared) {
   const StageChoice choice = bestStages(tried, plan.object_price);
-  StageTrial& best = tried[choice.occlusion];
-  plan.occlusion = best.method;
-  plan.views = best.views;
-  if (choice.base) {
-    StageTrial& base = tried[*choice.base];
-    plan.base = base.method;
-    plan.why_base =
-        "brings " + inMs(mean(base.views, &PlannedView::gain)) + " a view on average, always used";
-    plan.views = viewsBeside(base, best.views);
-    prepared.base = std::move(base.culler);
+  std::vector<PlannedView> views = tried[choice.best].views;
+  if (choice.cheaper) {
+    const StageTrial& cheaper = tried[*choice.cheaper];
+    plan.stages.push_back(planned(cheaper.method, cheaper.views));
+    setBeside(cheaper, views);
   }
-  for (const StageTrial& trial : tried) plan.planning_work += trial.work;
-  plan.occlusion_built =
-      20 * viewsThatPay(plan) >= 9 * std::ssize(plan.views) && plan.meanGain().count() > 0;
-  plan.why = verdict(plan);
-  explainOthers(tried, choice, plan);
-  if (plan.occlusion_built) prepared.occlusion = std::move(best.culler);
+  plan.stages.push_back(planned(tried[choice.best].method, std::move(views)));
+  for (StageTrial& trial : tried) plan.planning_work += trial.work;
+  explain(tried, choice, plan);
+  for (const PlannedStage& stage : plan.stages) {
+    const std::size_t k = stage.method == tried[choice.best].method ? choice.best : *choice.cheaper;
+    prepared.stages.push_back(stage.built ? std::move(tried[k].culler) : nullptr);
+  }
 }
 
 }  // namespace
 
-nanoseconds Plan::meanGain() const noexcept { return mean(views, &PlannedView::gain); }
-
-nanoseconds Plan::meanOcclusionWork() const noexcept {
-  return mean(views, &PlannedView::occlusion_work);
+std::size_t PlannedStage::paysIn() const noexcept {
+  return static_cast<std::size_t>(std::count_if(
+      views.begin(), views.end(), [](const PlannedView& view) { return view.gain.count() > 0; }));
 }
 
-double Plan::meanBaseShare() const noexcept {
+nanoseconds PlannedStage::meanGain() const noexcept { return mean(views, &PlannedView::gain); }
+
+nanoseconds PlannedStage::meanWork() const noexcept { return mean(views, &PlannedView::work); }
+
+double PlannedStage::meanBaseShare() const noexcept {
   double in_frustum = 0.0, answered = 0.0;
   for (const PlannedView& view : views) {
     in_frustum += view.in_frustum;
@@ -132,17 +135,17 @@ Result<PreparedPlan> makePlan(const SnapshotPtr& scene, std::span<const Method* 
   plan.object_price = meanObjectPrice(plan.profile);
   auto stages = chooseStages(plan.profile, methods);
   if (!stages) return std::move(stages).error();
-  plan.base = stages.value().frustum;
+  plan.frustum = stages.value().frustum;
   PreparedPlan prepared;
-  auto frustum = plan.base->prepare(scene, clock);
+  auto frustum = plan.frustum->prepare(scene, clock);
   if (!frustum) return std::move(frustum).error();
-  prepared.base = std::move(frustum).value();
+  prepared.frustum = std::move(frustum).value();
   if (plan.profile.blocking_triangles == 0) {
     plan.why = "nothing in the scene blocks a view";
   } else {
     plan.others = std::move(stages.value().refused);
     StageTrials trials =
-        tryStages(stages.value().occlusion, scene, *prepared.base, plan.object_price, clock);
+        tryStages(stages.value().occlusion, scene, *prepared.frustum, plan.object_price, clock);
     plan.others.insert(plan.others.end(), trials.untried.begin(), trials.untried.end());
     if (trials.tried.empty()) {
       plan.why = "no other conservative method is for this scene";

@@ -12,13 +12,26 @@
 
 namespace culld {
 
-/// One sampled view, answered by the base alone and with the occlusion stage.
+/// One sampled view, answered with a stage and by what answers where the stage is off.
 struct PlannedView {
   Camera camera;
   std::uint32_t in_frustum = 0, base_visible = 0, visible = 0;  ///< objects
-  std::chrono::nanoseconds base_work{0}, occlusion_work{0};
-  /// Price of the objects that occlusion leaves out of what the base answers, less its work.
+  std::chrono::nanoseconds base_work{0}, work{0};
+  /// Price of the objects that the stage leaves out further, less what it works more.
   std::chrono::nanoseconds gain{0};
+};
+
+/// An occlusion method that may be switched on where it pays.
+struct PlannedStage {
+  const Method* method = nullptr;
+  std::vector<PlannedView> views;
+  std::string why;     ///< one line
+  bool built = false;  ///< it pays in nearly half of the views and on the whole: built at once
+
+  std::size_t paysIn() const noexcept;  ///< views
+  std::chrono::nanoseconds meanGain() const noexcept;
+  std::chrono::nanoseconds meanWork() const noexcept;
+  double meanBaseShare() const noexcept;  ///< what is answered without it of what is in the frustum
 };
 
 /// A method that could have been a stage.
@@ -30,28 +43,20 @@ struct StageLeftOut {
 struct Plan {
   SceneProfile profile;
   std::chrono::nanoseconds object_price{0};  ///< of sending one object more
-  /// What answers always: the cheapest conservative method, or one that brings more in nearly every
-  /// view.
-  const Method* base = nullptr;
-  std::string why_base;  ///< one line; empty for the cheapest
-  /// What may be switched on: of the others the one that brings most. None: nothing could ever pay.
-  const Method* occlusion = nullptr;
-  bool occlusion_built = false;      ///< it pays in nearly half of the sampled views: built at once
-  std::string why;                   ///< one line, on the occlusion stage
-  std::vector<StageLeftOut> others;  ///< which could have been a stage
-  std::vector<PlannedView> views;
+  const Method* frustum = nullptr;           ///< always there: the cheapest conservative method
+  /// The one that works least first; the last that pays where a camera is answers it. None: nothing
+  /// could ever pay.
+  std::vector<PlannedStage> stages;
+  std::string why;                            ///< one line, on the stages
+  std::vector<StageLeftOut> others;           ///< which could have been stages
   std::chrono::nanoseconds planning_work{0};  ///< counted, of looking through views
-
-  std::chrono::nanoseconds meanGain() const noexcept;
-  std::chrono::nanoseconds meanOcclusionWork() const noexcept;
-  double meanBaseShare() const noexcept;  ///< of the objects in the frustum, what the base answers
 };
 
 /// A plan and the cullers that making it has prepared and that it uses.
 struct PreparedPlan {
   std::shared_ptr<const Plan> plan;
-  std::unique_ptr<Culler> base;
-  std::unique_ptr<Culler> occlusion;  ///< none unless plan->occlusion_built
+  std::unique_ptr<Culler> frustum;
+  std::vector<std::unique_ptr<Culler>> stages;  ///< of plan->stages; nullptr unless built
 };
 
 struct Stages {

@@ -15,24 +15,24 @@ using std::chrono::nanoseconds;
 
 constexpr std::size_t kMostViews = 32, kLeastViews = 4;
 constexpr nanoseconds kMostWork = std::chrono::milliseconds(100);
-constexpr int kLeastSaving = 40;  ///< one part in so many, for a base of its own
+constexpr int kLeastSaving = 40;  ///< one part in so many, for a second stage
 
-PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culler& occlusion,
+PlannedView lookThrough(const Camera& camera, const Culler& frustum, const Culler& stage,
                         nanoseconds object_price) {
-  ViewState fresh_frustum, fresh_occlusion;
+  ViewState fresh_frustum, fresh_stage;
   const Answer without = frustum.cull(camera, {}, fresh_frustum);
   Demand bounded;
-  bounded.work = kMostWork;  // cut short, it counts what occlusion brought until then
-  const Answer with = occlusion.cull(camera, bounded, fresh_occlusion);
+  bounded.work = kMostWork;  // cut short, it counts what it brought until then
+  const Answer with = stage.cull(camera, bounded, fresh_stage);
   PlannedView view;
   view.camera = camera;
   view.in_frustum = view.base_visible = static_cast<std::uint32_t>(without.visible.size());
   view.visible = static_cast<std::uint32_t>(with.visible.size());
   view.base_work = without.stats.work;
-  view.occlusion_work = with.stats.work;
+  view.work = with.stats.work;
   const auto left_out =
       static_cast<std::int64_t>(view.base_visible) - static_cast<std::int64_t>(view.visible);
-  view.gain = object_price * left_out - (view.occlusion_work - view.base_work);
+  view.gain = object_price * left_out - (view.work - view.base_work);
   return view;
 }
 
@@ -41,7 +41,7 @@ void lookAround(std::span<const SampledView> sampled, const Culler& frustum,
   for (const SampledView& view : sampled) {
     if (trial.views.size() >= kLeastViews && trial.work > kMostWork) break;
     trial.views.push_back(lookThrough(view.camera, frustum, *trial.culler, object_price));
-    trial.work += trial.views.back().base_work + trial.views.back().occlusion_work;
+    trial.work += trial.views.back().base_work + trial.views.back().work;
   }
 }
 
@@ -50,15 +50,10 @@ void lookAround(std::span<const SampledView> sampled, const Culler& frustum,
 bool costsLittle(const StageTrial& trial, nanoseconds object_price) {
   nanoseconds work{0}, sent{0};
   for (const PlannedView& view : trial.views) {
-    work += view.occlusion_work;
+    work += view.work;
     sent += object_price * view.visible;
   }
   return 10 * work <= work + sent;
-}
-
-/// Of a stage in a view: where it does not pay it is switched off.
-nanoseconds worth(const StageTrial& trial, std::size_t view) {
-  return std::max(trial.views[view].gain, nanoseconds{0});
 }
 
 std::size_t viewsOfAll(std::span<const StageTrial> tried) {
@@ -67,20 +62,18 @@ std::size_t viewsOfAll(std::span<const StageTrial> tried) {
   return views;
 }
 
-/// What all views bring over the cheapest method, each answered by `base` or by `occlusion`,
-/// whichever is better there; no base is the cheapest method.
-nanoseconds brings(const StageTrial* base, const StageTrial& occlusion, std::size_t views) {
+/// What all views bring, each answered by one or the other, whichever is better there, or by
+/// neither.
+nanoseconds brings(const StageTrial& one, const StageTrial& other, std::size_t views) {
   nanoseconds sum{0};
-  for (std::size_t i = 0; i < views; ++i) {
-    const nanoseconds of_base = base == nullptr ? nanoseconds{0} : base->views[i].gain;
-    sum += std::max(of_base, occlusion.views[i].gain);
-  }
+  for (std::size_t i = 0; i < views; ++i)
+    sum += std::max(worth(one.views[i]), worth(other.views[i]));
   return sum;
 }
 
 nanoseconds workOf(const StageTrial& trial, std::size_t views) {
   nanoseconds sum{0};
-  for (std::size_t i = 0; i < views; ++i) sum += trial.views[i].occlusion_work;
+  for (std::size_t i = 0; i < views; ++i) sum += trial.views[i].work;
   return sum;
 }
 
@@ -110,26 +103,27 @@ StageTrials tryStages(std::span<const Method* const> methods, const SnapshotPtr&
   return trials;
 }
 
+nanoseconds worth(const PlannedView& view) noexcept { return std::max(view.gain, nanoseconds{0}); }
+
 StageChoice bestStages(std::span<const StageTrial> tried, nanoseconds object_price) {
   const std::size_t views = viewsOfAll(tried);
   StageChoice best;
   for (std::size_t s = 1; s < tried.size(); ++s) {
-    if (brings(nullptr, tried[s], views) > brings(nullptr, tried[best.occlusion], views))
-      best.occlusion = s;
+    if (advantage(tried[s], tried[best.best]).count() > 0) best.best = s;
   }
-  const nanoseconds alone = brings(nullptr, tried[best.occlusion], views);
+  const nanoseconds alone = brings(tried[best.best], tried[best.best], views);
   nanoseconds cost = -alone;  // of all answers
   for (std::size_t i = 0; i < views; ++i) {
     const PlannedView& view = tried.front().views[i];
     cost += view.base_work + object_price * view.in_frustum;
   }
   nanoseconds least = alone + cost / kLeastSaving;
-  for (std::size_t b = 0; b < tried.size(); ++b) {
+  for (std::size_t c = 0; c < tried.size(); ++c) {
     for (std::size_t s = 0; s < tried.size(); ++s) {
-      const nanoseconds pair = brings(&tried[b], tried[s], views);
-      if (pair <= least || workOf(tried[b], views) >= workOf(tried[s], views)) continue;
+      const nanoseconds pair = brings(tried[c], tried[s], views);
+      if (pair <= least || workOf(tried[c], views) >= workOf(tried[s], views)) continue;
       least = pair;
-      best = {b, s};
+      best = {s, c};
     }
   }
   return best;
@@ -138,7 +132,7 @@ StageChoice bestStages(std::span<const StageTrial> tried, nanoseconds object_pri
 nanoseconds advantage(const StageTrial& one, const StageTrial& other) {
   const std::size_t both = std::min(one.views.size(), other.views.size());
   nanoseconds sum{0};
-  for (std::size_t i = 0; i < both; ++i) sum += worth(one, i) - worth(other, i);
+  for (std::size_t i = 0; i < both; ++i) sum += worth(one.views[i]) - worth(other.views[i]);
   return both == 0 ? sum : sum / static_cast<std::int64_t>(both);
 }
 

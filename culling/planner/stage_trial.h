@@ -11,7 +11,7 @@
 
 namespace culld {
 
-/// A method as a stage of a scene's plan. Its views have the cheapest method as their base.
+/// A method as a stage of a scene's plan. In its views the cheapest method answers without it.
 struct StageTrial {
   const Method* method = nullptr;
   std::unique_ptr<Culler> culler;
@@ -33,14 +33,16 @@ StageTrials tryStages(std::span<const Method* const> methods, const SnapshotPtr&
 
 /// By index among those tried.
 struct StageChoice {
-  std::optional<std::size_t> base;  ///< none: the cheapest method
-  std::size_t occlusion = 0;
+  std::size_t best = 0;
+  std::optional<std::size_t> cheaper;  ///< used where `best` does not pay, and works less
 };
 
-/// The occlusion stage that brings most where it pays; and the base, which works less than that, if
-/// another than the cheapest method makes the answers cheaper by a fortieth. REQUIRES: one was
-/// tried.
+/// The stage that brings most where it pays; and another beside it, if the two make the answers
+/// cheaper by a fortieth than the best alone. REQUIRES: one was tried.
 StageChoice bestStages(std::span<const StageTrial> tried, std::chrono::nanoseconds object_price);
+
+/// What a stage brings in a view: nothing where it does not pay, as it is switched off there.
+std::chrono::nanoseconds worth(const PlannedView& view) noexcept;
 
 /// What `one` brings a view more than `other`, in the views that both looked through.
 std::chrono::nanoseconds advantage(const StageTrial& one, const StageTrial& other);

@@ -8,7 +8,7 @@
 namespace culld {
 namespace {
 
-constexpr int kRetryShare = 32;    ///< one part in so many of the base's work goes to retries
+constexpr int kRetryShare = 32;    ///< one part in so many of the work without it goes to retries
 constexpr int kPatience = 4;       ///< costs saved up before a retry in a view that has not changed
 constexpr int kMostTrust = 8;      ///< wrong words of the plan before it is believed no more
 constexpr int kLongestMemory = 4;  ///< wasted frames that a long good time makes up for
@@ -36,16 +36,19 @@ double reachOf(const std::vector<PlannedView>& views) {
 
 }  // namespace
 
-Watch::Watch(std::shared_ptr<const Plan> plan)
-    : plan_(std::move(plan)), reach_(reachOf(plan_->views)), trust_(kMostTrust) {
-  if (!plan_->occlusion_built) {  // one place is enough to be off everywhere
-    places_.push_back({false, false, Work{0}, plan_->meanOcclusionWork(), plan_->meanBaseShare()});
+Watch::Watch(std::shared_ptr<const Plan> plan, std::size_t stage)
+    : plan_(std::move(plan)),
+      stage_(&plan_->stages[stage]),
+      reach_(reachOf(stage_->views)),
+      trust_(kMostTrust) {
+  if (!stage_->built) {  // one place is enough to be off everywhere
+    places_.push_back({false, false, Work{0}, stage_->meanWork(), stage_->meanBaseShare()});
     return;
   }
-  const Work mean = plan_->meanGain();
-  for (const PlannedView& view : plan_->views) {
+  const Work mean = stage_->meanGain();
+  for (const PlannedView& view : stage_->views) {
     // One view says little about its surroundings, so half of the word has the whole scene.
-    places_.push_back({(view.gain + mean).count() > 0, false, Work{0}, view.occlusion_work,
+    places_.push_back({(view.gain + mean).count() > 0, false, Work{0}, view.work,
                        shareOf(view.base_visible, view.in_frustum)});
   }
 }
@@ -56,7 +59,7 @@ std::size_t Watch::placeOf(const Camera& camera) const {
   std::size_t nearest = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Camera& sampled = plan_->views[i].camera;
+    const Camera& sampled = stage_->views[i].camera;
     const glm::dvec3 apart = (camera.origin_world - sampled.origin_world) / reach_;
     const double distance =
         glm::dot(apart, apart) + 0.5 * (1.0 - glm::dot(direction, directionOf(sampled)));
@@ -68,7 +71,7 @@ std::size_t Watch::placeOf(const Camera& camera) const {
   return nearest;
 }
 
-bool Watch::wantsOcclusion(const Camera& camera) {
+bool Watch::wantsStage(const Camera& camera) {
   here_ = placeOf(camera);
   return planned(places_[here_]) || mayRetry();
 }
@@ -89,7 +92,7 @@ void Watch::switchTo(Place& place, bool on) {
   ++switches_;
 }
 
-void Watch::sawOcclusion(const WatchedFrame& frame) {
+void Watch::sawStage(const WatchedFrame& frame) {
   Place& place = places_[here_];
   place.expected = frame.work;
   // Cut short, a frame does not say what would have been answered without the stage.
@@ -125,10 +128,9 @@ std::int64_t Watch::baseAnswers(const Place& place) const {
 }
 
 void Watch::sawBase(const WatchedFrame& frame) {
-  if (frame.in_frustum != 0) {
-    in_frustum_ = frame.in_frustum;
-    places_[here_].base_share = shareOf(frame.visible, frame.in_frustum);
-  }
+  const bool counted = frame.in_frustum != 0 || frame.visible == 0;
+  if (counted) in_frustum_ = frame.in_frustum;
+  if (frame.in_frustum != 0) places_[here_].base_share = shareOf(frame.visible, frame.in_frustum);
   saved_up_ = std::min(saved_up_ + frame.work / kRetryShare,
                        std::max(saved_up_, places_[here_].expected * kPatience));
 }

@@ -26,7 +26,6 @@ Camera at(double x) {
 }
 
 constexpr std::uint32_t kObjects = 1000;
-constexpr double kMiddle = 500.0;  // of a row of as many
 
 /// Frustum culling of everything for 10 us.
 CountedMethod boxes() {
@@ -52,7 +51,8 @@ TEST(AutoMethod, UsesTheStageThatHidesMoreThanItCosts) {
   const CountedMethod frustum = boxes(), hider = hiding(500);
   const Method* stages[] = {&frustum, &hider};
   const auto culler = prepared(stages, rowOfObjects(kObjects));
-  EXPECT_TRUE(planOf(*culler)->occlusion_built);
+  ASSERT_EQ(planOf(*culler)->stages.size(), 1U);
+  EXPECT_TRUE(planOf(*culler)->stages[0].built);
   ViewState view;
   const Answer answer = culler->cull(at(0), {}, view);
   EXPECT_EQ(answer.visible.size(), 500U);
@@ -78,7 +78,7 @@ TEST(AutoMethod, PreparesNoStageWhereNothingBlocks) {
   const Method* stages[] = {&frustum, &hider};
   const auto culler = prepared(stages, rowOfObjects(kObjects, false));
   EXPECT_EQ(hider.prepared, 0);
-  EXPECT_EQ(planOf(*culler)->occlusion, nullptr);
+  EXPECT_TRUE(planOf(*culler)->stages.empty());
   EXPECT_EQ(planOf(*culler)->why, "nothing in the scene blocks a view");
 }
 
@@ -105,7 +105,7 @@ TEST(AutoMethod, GoesOnWithoutAStageThatDeclinesOrFails) {
                                     std::pair(std::span(with_failed), "no memory")}) {
     const auto culler = prepared(stages, rowOfObjects(kObjects));
     const Plan& plan = *planOf(*culler);
-    EXPECT_EQ(plan.occlusion, nullptr);
+    EXPECT_TRUE(plan.stages.empty());
     EXPECT_EQ(plan.why, "no other conservative method is for this scene");
     ASSERT_EQ(plan.others.size(), 1U);
     EXPECT_EQ(plan.others[0].name, "hider");
@@ -130,7 +130,8 @@ TEST(AutoMethod, TakesOfManyStagesTheOneThatBringsMost) {
         {&good, &weak, &dear, &frustum}}) {
     const auto culler = prepared(stages, rowOfObjects(kObjects));
     const Plan& plan = *planOf(*culler);
-    EXPECT_EQ(plan.occlusion, &good);
+    ASSERT_EQ(plan.stages.size(), 1U);
+    EXPECT_EQ(plan.stages[0].method, &good);
     EXPECT_EQ(plan.others.size(), 2U);
     ViewState view;
     EXPECT_EQ(culler->cull(at(0), {}, view).made_by, "good");
@@ -138,38 +139,44 @@ TEST(AutoMethod, TakesOfManyStagesTheOneThatBringsMost) {
   }
 }
 
-TEST(AutoMethod, TakesACheapStageForItsBaseAndADearOneWhereItBringsMore) {
-  const CountedMethod frustum = boxes(), cheap = stage("cheap", 500, microseconds(50));
-  // It hides more only from the left.
-  const CountedMethod dear("dear", "triangles", [](const Camera& camera) {
-    const bool left = camera.origin_world[0] < kMiddle + 350;
-    return CountedFrame{std::chrono::milliseconds(8), kObjects, left ? 50U : 500U};
+TEST(AutoMethod, AnswersEachPlaceByTheStageThatPaysThere) {
+  // Cheap and good in the larger half, dear and better at the end; in between neither hides.
+  const auto in = [](double from, double to, const Camera& camera) {
+    return from <= camera.origin_world[0] && camera.origin_world[0] < to;
+  };
+  const CountedMethod frustum = boxes();
+  const CountedMethod cheap("cheap", "triangles", [&](const Camera& camera) {
+    return CountedFrame{microseconds(200), kObjects, in(450, 550, camera) ? kObjects : 500U};
   });
-  const Method* stages[] = {&frustum, &dear, &cheap};
-  const auto culler = prepared(stages, rowOfObjects(kObjects));
+  const CountedMethod dear("dear", "triangles", [&](const Camera& camera) {
+    return CountedFrame{std::chrono::milliseconds(8), kObjects,
+                        in(550, 5000, camera) ? 50U : kObjects};
+  });
+  const Method* methods[] = {&frustum, &dear, &cheap};
+  const auto culler = prepared(methods, rowOfObjects(kObjects));
   const Plan& plan = *planOf(*culler);
-  EXPECT_EQ(plan.base, &cheap);
-  EXPECT_EQ(plan.occlusion, &dear);
+  ASSERT_EQ(plan.stages.size(), 2U);
+  EXPECT_EQ(plan.stages[0].method, &cheap);
+  EXPECT_EQ(plan.stages[1].method, &dear);
   EXPECT_TRUE(plan.others.empty());
-  EXPECT_EQ(plan.meanBaseShare(), 0.5);
-  EXPECT_TRUE(plan.occlusion_built) << plan.why;
-  EXPECT_EQ(frustum.alive, 0);
   ViewState view;
-  for (int round = 0; round < 3; ++round) {
-    for (const PlannedView& sampled : plan.views) {
-      const bool pays = sampled.gain.count() > 0;
-      EXPECT_EQ(culler->cull(sampled.camera, {}, view).made_by, pays ? "dear" : "cheap");
-    }
-  }
+  const auto madeBy = [&](double x) {
+    std::string_view by;
+    for (int i = 0; i < 20'000; ++i) by = culler->cull(at(x), {}, view).made_by;
+    return by;
+  };
+  EXPECT_EQ(madeBy(100), "cheap");
+  EXPECT_EQ(madeBy(500), "frustum") << "open country costs what the frustum costs";
+  EXPECT_EQ(madeBy(900), "dear");
 }
 
-TEST(AutoMethod, NoBaseButTheFrustumIsTakenForALittle) {
+TEST(AutoMethod, TakesNoSecondStageForALittle) {
   const CountedMethod frustum = boxes(), hider = stage("hider", 900, std::chrono::milliseconds(8)),
                       cheap = stage("cheap", 1, microseconds(20));
-  const Method* stages[] = {&frustum, &hider, &cheap};
-  const auto culler = prepared(stages, rowOfObjects(kObjects));
-  EXPECT_EQ(planOf(*culler)->base, &frustum);
-  EXPECT_EQ(planOf(*culler)->occlusion, &hider);
+  const Method* methods[] = {&frustum, &hider, &cheap};
+  const auto culler = prepared(methods, rowOfObjects(kObjects));
+  ASSERT_EQ(planOf(*culler)->stages.size(), 1U);
+  EXPECT_EQ(planOf(*culler)->stages[0].method, &hider);
 }
 
 TEST(AutoMethod, TriesNoOtherStageIfTheFirstCostsNextToNothing) {
@@ -273,38 +280,30 @@ TEST(AutoMethod, RefitsWhatItHasBuiltAndKeepsItsPlan) {
   EXPECT_EQ(good.refitted, 1);
 }
 
-TEST(AutoMethod, PlansAnewForASceneTwiceOrHalfAsLarge) {
+TEST(AutoMethod, CannotFollowToASceneTwiceOrHalfAsLarge) {
   const CountedMethod frustum = boxes(), good = hiding(900);
-  const Method* stages[] = {&frustum, &good};
-  SnapshotPtr scene = rowOfObjects(kObjects);
-  std::unique_ptr<Culler> culler = prepared(stages, scene);
-  ViewState view;
-  const auto hide = [&](ObjectId from, ObjectId to) {
+  const Method* methods[] = {&frustum, &good};
+  const auto hidden = [](const SnapshotPtr& scene, ObjectId from, ObjectId to, bool hide) {
     std::vector<Edit> edits;
-    for (ObjectId id = from; id < to; ++id) edits.push_back(HideObject{id});
-    auto next = applyEdits(scene, edits);
-    ASSERT_TRUE(next.ok());
-    auto edited = culler->edited(next.value().snapshot, next.value().changed);
-    ASSERT_TRUE(edited.ok());
-    scene = next.value().snapshot;
-    culler = std::move(edited).value();
-    view.sceneEdited();
-    EXPECT_FALSE(culler->cull(at(0), {}, view).visible.empty());
+    for (ObjectId id = from; id < to; ++id) {
+      edits.push_back(hide ? Edit(HideObject{id}) : Edit(ShowObject{id}));
+    }
+    return applyEdits(scene, edits).value();
   };
-  hide(0, 300);
-  hide(100, 450);
-  EXPECT_EQ(good.prepared, 1);
-  EXPECT_EQ(planOf(*culler)->profile.objects, kObjects);
-  hide(450, 501);
-  EXPECT_EQ(good.prepared, 2);
-  EXPECT_EQ(planOf(*culler)->profile.objects, kObjects - 501);
-  std::vector<Edit> shown;
-  for (ObjectId id = 0; id < 501; ++id) shown.push_back(ShowObject{id});
-  const auto all = applyEdits(scene, shown);
-  ASSERT_TRUE(all.ok());
-  const auto grown = culler->edited(all.value().snapshot, all.value().changed);
-  ASSERT_TRUE(grown.ok());
-  EXPECT_EQ(planOf(*grown.value())->profile.objects, kObjects);
+  const SnapshotPtr scene = rowOfObjects(kObjects);
+  const auto culler = prepared(methods, scene);
+  const auto fewer = hidden(scene, 0, 400, true);
+  const auto half = culler->edited(fewer.snapshot, fewer.changed);
+  ASSERT_TRUE(half.ok());
+  const auto same = hidden(fewer.snapshot, 100, 500, true);  // 300 of them were hidden before
+  ASSERT_TRUE(half.value()->edited(same.snapshot, same.changed).ok());
+  const auto less = hidden(fewer.snapshot, 400, 501, true);
+  EXPECT_FALSE(half.value()->edited(less.snapshot, less.changed).ok());
+  // From there it is planned anew, and then it is too small for all.
+  const auto anew = prepared(methods, less.snapshot);
+  EXPECT_EQ(planOf(*anew)->profile.objects, 499U);
+  const auto all = hidden(less.snapshot, 0, 501, false);
+  EXPECT_FALSE(anew->edited(all.snapshot, all.changed).ok());
 }
 
 }  // namespace

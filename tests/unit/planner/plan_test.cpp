@@ -42,10 +42,11 @@ TEST(Plan, UsesOcclusionWhereTheSceneHidesMuchAndNowhereElse) {
   table.push_back({"closed rooms", scenes::closedRooms({}).model, true});
   for (const Decision& decision : table) {
     const PreparedPlan prepared = planFor(decision.model);
-    EXPECT_EQ(prepared.plan->occlusion_built, decision.occlusion)
-        << decision.scene << ": " << prepared.plan->why;
-    EXPECT_EQ(prepared.occlusion != nullptr, decision.occlusion) << decision.scene;
-    EXPECT_GE(prepared.plan->views.size(), 4U) << decision.scene;
+    ASSERT_EQ(prepared.plan->stages.size(), 1U);
+    const PlannedStage& stage = prepared.plan->stages[0];
+    EXPECT_EQ(stage.built, decision.occlusion) << decision.scene << ": " << prepared.plan->why;
+    EXPECT_EQ(prepared.stages[0] != nullptr, decision.occlusion) << decision.scene;
+    EXPECT_GE(stage.views.size(), 4U) << decision.scene;
   }
 }
 
@@ -60,9 +61,9 @@ TEST(Plan, KeepsOnlyTheFrustumsBoxesForAnOpenScene) {
 TEST(Plan, StopsLookingOnceItHasCountedEnoughWork) {
   const PreparedPlan large = planFor(scenes::generateCity({.objects = 20'000}).model);
   const PreparedPlan small = planFor(scenes::closedRooms({.objects = 400}).model);
-  EXPECT_LT(large.plan->views.size(), 32U);
-  EXPECT_EQ(small.plan->views.size(), 32U);
-  std::chrono::nanoseconds last = large.plan->views.back().occlusion_work;
+  EXPECT_LT(large.plan->stages[0].views.size(), 32U);
+  EXPECT_EQ(small.plan->stages[0].views.size(), 32U);
+  std::chrono::nanoseconds last = large.plan->stages[0].views.back().work;
   EXPECT_LT(large.plan->planning_work - 2 * last, std::chrono::milliseconds(100));
 }
 
@@ -79,15 +80,15 @@ TEST(Plan, BoundsTheWorkOfEachViewWhereThingsStandInOneHeap) {
   }
   const auto prepared = makePlan(builder.finish(), stages(), steadyClock());
   ASSERT_TRUE(prepared.ok());
-  for (const PlannedView& view : prepared.value().plan->views) {
-    EXPECT_LT(view.occlusion_work, std::chrono::milliseconds(120));
+  for (const PlannedView& view : prepared.value().plan->stages[0].views) {
+    EXPECT_LT(view.work, std::chrono::milliseconds(120));
   }
 }
 
 TEST(Plan, IsTheSameEveryTime) {
   const scenes::Model model = scenes::closedRooms({}).model;
   const PreparedPlan first = planFor(model), second = planFor(model);
-  ASSERT_EQ(first.plan->views.size(), second.plan->views.size());
+  ASSERT_EQ(first.plan->stages[0].views.size(), second.plan->stages[0].views.size());
   EXPECT_EQ(first.plan->why, second.plan->why);
   EXPECT_EQ(first.plan->planning_work, second.plan->planning_work);
 }
@@ -95,7 +96,7 @@ TEST(Plan, IsTheSameEveryTime) {
 TEST(Plan, CopesWithASceneOfNothing) {
   const auto plan = makePlan(std::make_shared<const SceneSnapshot>(), stages(), steadyClock());
   ASSERT_TRUE(plan.ok());
-  EXPECT_FALSE(plan.value().plan->occlusion_built);
+  EXPECT_TRUE(plan.value().plan->stages.empty());
 }
 
 TEST(SampleViews, AreValidAndTheSameEveryTime) {

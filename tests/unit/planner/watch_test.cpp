@@ -27,8 +27,10 @@ PlannedView sampled(double x, nanoseconds gain) {
 std::shared_ptr<const Plan> planWith(std::vector<PlannedView> views) {
   Plan plan;
   plan.object_price = kPrice;
-  plan.views = std::move(views);
-  plan.occlusion_built = plan.meanGain().count() > 0;
+  PlannedStage stage;
+  stage.views = std::move(views);
+  stage.built = stage.meanGain().count() > 0;
+  plan.stages.push_back(std::move(stage));
   return std::make_shared<const Plan>(std::move(plan));
 }
 
@@ -39,8 +41,8 @@ std::shared_ptr<const Plan> badPlan() { return planWith({sampled(0, -microsecond
 int fly(Watch& watch, const Camera& camera, const WatchedFrame& with, int frames) {
   int with_stage = 0;
   for (int i = 0; i < frames; ++i) {
-    if (watch.wantsOcclusion(camera)) {
-      watch.sawOcclusion(with);
+    if (watch.wantsStage(camera)) {
+      watch.sawStage(with);
       ++with_stage;
     } else {
       watch.sawBase(kBase);
@@ -50,24 +52,24 @@ int fly(Watch& watch, const Camera& camera, const WatchedFrame& with, int frames
 }
 
 TEST(Watch, BeginsAsThePlanSays) {
-  EXPECT_TRUE(Watch(goodPlan()).wantsOcclusion(at(0)));
-  EXPECT_FALSE(Watch(badPlan()).wantsOcclusion(at(0)));
-  EXPECT_FALSE(Watch(planWith({})).wantsOcclusion(at(0)));
+  EXPECT_TRUE(Watch(goodPlan(), 0).wantsStage(at(0)));
+  EXPECT_FALSE(Watch(badPlan(), 0).wantsStage(at(0)));
+  EXPECT_FALSE(Watch(planWith({}), 0).wantsStage(at(0)));
 }
 
 TEST(Watch, StaysOnWhileTheStagePays) {
-  Watch watch(goodPlan());
+  Watch watch(goodPlan(), 0);
   EXPECT_EQ(fly(watch, at(0), kUseful, 1000), 1000);
   EXPECT_EQ(watch.switches(), 0U);
 }
 
 TEST(Watch, SwitchesOffAfterOneWastedFrameOnAFreshView) {
-  Watch watch(goodPlan());
+  Watch watch(goodPlan(), 0);
   EXPECT_EQ(fly(watch, at(0), kUseless, 100), 1);
 }
 
 TEST(Watch, ForgivesAFewWastedFramesAfterAGoodTimeAndNotMore) {
-  Watch watch(goodPlan());
+  Watch watch(goodPlan(), 0);
   fly(watch, at(0), kUseful, 100);
   const int wasted = fly(watch, at(0), kUseless, 100);
   EXPECT_GE(wasted, 2);
@@ -75,12 +77,12 @@ TEST(Watch, ForgivesAFewWastedFramesAfterAGoodTimeAndNotMore) {
 }
 
 TEST(Watch, DoesNotFlickerWhereTheStageAboutBreaksEven) {
-  Watch watch(goodPlan());
+  Watch watch(goodPlan(), 0);
   for (int i = 0; i < 2000; ++i) {
     // 15 or 25 objects hidden for the price of 20.
     const WatchedFrame even{microseconds(1000), 1000, i % 2 == 0 ? 975U : 985U};
-    if (watch.wantsOcclusion(at(0))) {
-      watch.sawOcclusion(even);
+    if (watch.wantsStage(at(0))) {
+      watch.sawStage(even);
     } else {
       watch.sawBase(kBase);
     }
@@ -89,7 +91,7 @@ TEST(Watch, DoesNotFlickerWhereTheStageAboutBreaksEven) {
 }
 
 TEST(Watch, RetriesForAFewPerCentOfTheFrustumsWork) {
-  Watch watch(badPlan());
+  Watch watch(badPlan(), 0);
   const int frames = 100'000;
   const int with_stage = fly(watch, at(0), kUseless, frames);
   EXPECT_GE(with_stage, 10);
@@ -99,12 +101,12 @@ TEST(Watch, RetriesForAFewPerCentOfTheFrustumsWork) {
 
 TEST(Watch, RetriesSoonerOnceTheViewHasChanged) {
   const auto framesToRetry = [](std::uint32_t in_frustum) {
-    Watch watch(badPlan());
+    Watch watch(badPlan(), 0);
     fly(watch, at(0), kUseless, 20'000);
-    while (!watch.wantsOcclusion(at(0))) watch.sawBase(kBase);
-    watch.sawOcclusion(kUseless);
+    while (!watch.wantsStage(at(0))) watch.sawBase(kBase);
+    watch.sawStage(kUseless);
     int frames = 0;
-    while (!watch.wantsOcclusion(at(0))) {
+    while (!watch.wantsStage(at(0))) {
       watch.sawBase({microseconds(10), in_frustum, in_frustum});
       ++frames;
     }
@@ -114,15 +116,19 @@ TEST(Watch, RetriesSoonerOnceTheViewHasChanged) {
 }
 
 TEST(Watch, NeverRetriesWhereEvenHidingEverythingCouldNotPay) {
-  Watch watch(badPlan());
+  Watch watch(badPlan(), 0);
   for (int i = 0; i < 100'000; ++i) {
-    ASSERT_FALSE(watch.wantsOcclusion(at(0)));
+    ASSERT_FALSE(watch.wantsStage(at(0)));
     watch.sawBase({microseconds(10), 15, 15});
   }
+  for (int i = 0; i < 100'000; ++i) watch.sawBase(kBase);  // saves up for a retry
+  EXPECT_TRUE(watch.wantsStage(at(0)));
+  watch.sawBase({microseconds(10), 0, 0});
+  EXPECT_FALSE(watch.wantsStage(at(0))) << "nothing is in the frustum";
 }
 
 TEST(Watch, SwitchesOnAgainWhenARetryPays) {
-  Watch watch(badPlan());
+  Watch watch(badPlan(), 0);
   const int frames = 20'000;
   EXPECT_GT(fly(watch, at(0), kUseful, frames), frames / 2);
   EXPECT_EQ(watch.retries(), 1U);
@@ -130,20 +136,21 @@ TEST(Watch, SwitchesOnAgainWhenARetryPays) {
 
 TEST(Watch, KnowsPlacesApart) {
   Watch watch(planWith({sampled(0, microseconds(5000)), sampled(100, microseconds(-6000)),
-                        sampled(200, microseconds(5000))}));
-  EXPECT_TRUE(watch.wantsOcclusion(at(10)));
-  watch.sawOcclusion(kUseful);
-  EXPECT_FALSE(watch.wantsOcclusion(at(110)));
+                        sampled(200, microseconds(5000))}),
+              0);
+  EXPECT_TRUE(watch.wantsStage(at(10)));
+  watch.sawStage(kUseful);
+  EXPECT_FALSE(watch.wantsStage(at(110)));
   watch.sawBase(kBase);
-  EXPECT_TRUE(watch.wantsOcclusion(at(190)));
-  watch.sawOcclusion(kUseless);
-  EXPECT_FALSE(watch.wantsOcclusion(at(190)));  // off here
+  EXPECT_TRUE(watch.wantsStage(at(190)));
+  watch.sawStage(kUseless);
+  EXPECT_FALSE(watch.wantsStage(at(190)));  // off here
   watch.sawBase(kBase);
-  EXPECT_TRUE(watch.wantsOcclusion(at(10)));  // and still on there
+  EXPECT_TRUE(watch.wantsStage(at(10)));  // and still on there
 }
 
 TEST(Watch, CountsAFrameCutShortAsNoGainItCannotProve) {
-  Watch watch(goodPlan());
+  Watch watch(goodPlan(), 0);
   const WatchedFrame cut{microseconds(1000), 0, 1000};
   EXPECT_LE(fly(watch, at(0), cut, 100), 2);
 }
@@ -152,15 +159,15 @@ TEST(Watch, BelievesThePlanNoLessWhereItRightlySaidNo) {
   std::vector<PlannedView> views;
   for (int i = 0; i < 30; ++i) views.push_back(sampled(10.0 * i, -microseconds(10'000)));
   views.push_back(sampled(1000.0, microseconds(320'000)));
-  Watch watch(planWith(std::move(views)));
+  Watch watch(planWith(std::move(views)), 0);
   for (int i = 0; i < 30; ++i) {
     fly(watch, at(10.0 * i), kUseless, 15'000);  // long enough for a retry, which is useless
   }
   EXPECT_GE(watch.retries(), 30U);
   EXPECT_EQ(watch.switches(), 0U);
   watch.sawBase({microseconds(10), 5, 5});  // so few that no retry could pay
-  EXPECT_FALSE(watch.wantsOcclusion(at(290)));
-  EXPECT_TRUE(watch.wantsOcclusion(at(1000)));
+  EXPECT_FALSE(watch.wantsStage(at(290)));
+  EXPECT_TRUE(watch.wantsStage(at(1000)));
 }
 
 }  // namespace
