@@ -82,7 +82,8 @@ constexpr Setting kSettings[] = {
     {"by-position", "near triangles go into one cluster"},
     {"by-normal", "triangles with like normals go into one cluster"},
     {"leaf", "triangles up to which a cluster is not divided", kStandard.rules.leaf, 1, 1024},
-    {"triangles", "of occluders drawn per frame at most", kStandard.most_triangles, 0.0, 1e7},
+    {"triangles", "of occluders looked at one by one per frame at most", kStandard.most_triangles,
+     0.0, 1e7},
 };
 
 class BackfaceClustersMethod final : public Method {

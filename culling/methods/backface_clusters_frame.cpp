@@ -45,7 +45,7 @@ bool BackfaceClustersFrame::mayGoOn() {
 
 std::chrono::nanoseconds BackfaceClustersFrame::work() const {
   return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
-                                  kEyeNs * eyes_ + kRegionNs * counts_.regions);
+                                  kEyeNs * eyes_ + kRegionNs * regions_);
 }
 
 /// What blocks and is large enough on the image to fill a cell.
@@ -77,9 +77,8 @@ void BackfaceClustersFrame::drawOccluders() {
 void BackfaceClustersFrame::draw(const ImageItem& item) {
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
   const Mesh& mesh = scene_.scene.mesh(instance.mesh);
-  const std::uint32_t triangles = mesh.blocking_triangles;
-  if (triangles > triangles_left_ || triangles > item.rect.cells()) return;
-  triangles_left_ -= triangles;
+  if (triangles_left_ == 0) return;
+  if (!worthDrawing(item.rect, mesh.positions.size(), mesh.blocking_triangles)) return;
   const FacingClusters& clusters = scene_.clusters[instance.mesh];
   SheetObject object =
       sheetObjectOf(scene_.scene, instance, item.nearest, SheetParts::kBlocking, memory_.surfaces);
@@ -90,14 +89,14 @@ void BackfaceClustersFrame::draw(const ImageItem& item) {
     if (options_.clusters) eye = meshEye(instance.world_from_mesh, eye_);
     ++eyes_;
   }
+  std::uint32_t triangles = mesh.blocking_triangles;
   if (eye) {
     memory_.surfaces.clear();
-    clusters.appendFacing(mesh, *eye, options_.hierarchy, memory_.surfaces, counts_);
-    if (memory_.surfaces.empty()) return;
+    triangles = clusters.appendFacing(mesh, *eye, options_.hierarchy, memory_.surfaces, regions_);
     object.surfaces = memory_.surfaces;
-  } else {
-    counts_.triangles += triangles;
   }
+  if (triangles == 0 || triangles > triangles_left_) return;  // a simpler one may still fit
+  triangles_left_ -= triangles;
   const DrawnOccluder drawn =
       drawSheet(object, view_, eye_.origin_world, deadline_, memory_.sheets, memory_.cells);
   ++stats_.occluders_drawn;
@@ -113,7 +112,7 @@ bool BackfaceClustersFrame::turnedAway(ObjectId id) {
   if (!clusters.oneSided()) return false;
   ++eyes_;
   const std::optional<MeshEye> eye = meshEye(instance.world_from_mesh, eye_);
-  return eye && clusters.turnedAway(*eye, options_.hierarchy, counts_);
+  return eye && clusters.turnedAway(*eye, options_.hierarchy, regions_);
 }
 
 bool BackfaceClustersFrame::hidden(const ImageItem& item) {
@@ -128,7 +127,7 @@ void BackfaceClustersFrame::run(Answer& answer) {
       [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_, answer.visible);
   answer.out_of_budget = stopped_;
   if (!stopped_) stats_.in_frustum = in_frustum_;
-  stats_.plane_tests = counts_.regions;
+  stats_.plane_tests = regions_;
   stats_.work = work();
   answer.stats = stats_;
 }

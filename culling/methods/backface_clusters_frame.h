@@ -23,7 +23,7 @@ struct BackfaceClustersOptions {
   bool occluders = true;  ///< the nearest objects are drawn, and hide
   bool clusters = true;   ///< those of occluders that turn away are not drawn
   bool hierarchy = true;  ///< clusters are asked from the top
-  std::uint32_t most_triangles = 40'000;
+  std::uint32_t most_triangles = 30'000;
   ClusterRules rules{};
 };
 
@@ -72,7 +72,7 @@ class BackfaceClustersFrame {
   VolumeEye eye_;
   std::uint32_t triangles_left_;
   CullStats stats_;
-  ClusterCounts counts_;
+  std::uint64_t regions_ = 0;  ///< of clusters, held against an eye
   std::uint32_t in_frustum_ = 0;
   std::uint64_t drawing_ns_ = 0;
   std::uint64_t eyes_ = 0;     ///< moved into meshes

@@ -95,10 +95,9 @@ void LayersFrame::projectAll(Answer& answer) {
 
 void LayersFrame::drawObject(const ImageItem& item) {
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
-  const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
-  if (polygons > polygons_left_ || !largeEnough(item.rect) || polygons > item.rect.cells()) return;
-  if (hidden(item)) return;
-  polygons_left_ -= polygons;
+  const OccluderMesh& mesh = scene_.occluders.mesh(instance.mesh);
+  if (mesh.polygons() > polygons_left_ || !worthDrawing(item.rect, mesh) || hidden(item)) return;
+  polygons_left_ -= mesh.polygons();
   const DrawnOccluder drawn =
       drawing_.draw(instance, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
   ++stats_.occluders_drawn;

@@ -93,11 +93,12 @@ void OcclusionMapFrame::chooseOccluders() {
 bool OcclusionMapFrame::choose(const ImageItem& item) {
   if (memory_.chosen.size() >= options_.most_occluders) return false;
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
-  const std::uint32_t polygons = scene_.occluders.mesh(instance.mesh).polygons();
+  const OccluderMesh& mesh = scene_.occluders.mesh(instance.mesh);
   // One that reaches the eye would be anywhere on the image, as far back as its far end.
   if (!options_.depth_of_cells && !std::isfinite(item.nearest)) return true;
-  if (polygons > polygons_left_) return true;  // a simpler one may still fit
-  polygons_left_ -= polygons;
+  // Of those left out, a simpler one may still fit.
+  if (mesh.polygons() > polygons_left_ || !worthDrawing(item.rect, mesh)) return true;
+  polygons_left_ -= mesh.polygons();
   memory_.chosen.push_back(item);
   return true;
 }

@@ -30,7 +30,7 @@ FacingRegion FacingClusters::regionOf(const Cluster& c, const MeshEye& eye) noex
 /// returns false.
 template <typename Take>
 void FacingClusters::walk(std::uint32_t root, const MeshEye& eye, bool hierarchy,
-                          ClusterCounts& counts, const Take& take) const {
+                          std::uint64_t& regions, const Take& take) const {
   std::array<std::uint32_t, kMostOpen> stack{};
   std::size_t open = 0;
   stack[open++] = root;
@@ -40,7 +40,7 @@ void FacingClusters::walk(std::uint32_t root, const MeshEye& eye, bool hierarchy
     const bool leaf = cluster.right == 0;
     FacingRegion region = FacingRegion::kMixed;
     if (leaf || hierarchy) {
-      ++counts.regions;
+      ++regions;
       region = regionOf(cluster, eye);
     }
     if (region == FacingRegion::kMixed && !leaf) {
@@ -52,10 +52,10 @@ void FacingClusters::walk(std::uint32_t root, const MeshEye& eye, bool hierarchy
   }
 }
 
-bool FacingClusters::turnedAway(const MeshEye& eye, bool hierarchy, ClusterCounts& counts) const {
+bool FacingClusters::turnedAway(const MeshEye& eye, bool hierarchy, std::uint64_t& regions) const {
   bool away = one_sided_;
   for (std::size_t i = 0; i < roots_.size() && away; ++i) {
-    walk(roots_[i], eye, hierarchy, counts, [&](const Cluster&, FacingRegion region) {
+    walk(roots_[i], eye, hierarchy, regions, [&](const Cluster&, FacingRegion region) {
       away = region == FacingRegion::kBack;
       return away;
     });
@@ -63,29 +63,32 @@ bool FacingClusters::turnedAway(const MeshEye& eye, bool hierarchy, ClusterCount
   return away;
 }
 
-void FacingClusters::appendFacing(const Mesh& mesh, const MeshEye& eye, bool hierarchy,
-                                  std::vector<SheetSurface>& out, ClusterCounts& counts) const {
+std::uint32_t FacingClusters::appendFacing(const Mesh& mesh, const MeshEye& eye, bool hierarchy,
+                                           std::vector<SheetSurface>& out,
+                                           std::uint64_t& regions) const {
+  std::uint32_t triangles = 0;
   for (std::size_t i = 0; i < mesh.surfaces.size(); ++i) {
     const Surface& s = mesh.surfaces[i];
     if (!s.blocks) continue;
     if (roots_[i] == kNoCluster) {
       out.push_back({s.first_triangle, s.triangle_count, s.double_sided});
-      counts.triangles += s.triangle_count;
+      triangles += s.triangle_count;
       continue;
     }
     bool goes_on = false;  // the last run ends where the next cluster begins
-    walk(roots_[i], eye, hierarchy, counts, [&](const Cluster& cluster, FacingRegion region) {
+    walk(roots_[i], eye, hierarchy, regions, [&](const Cluster& cluster, FacingRegion region) {
       const bool facing = region != FacingRegion::kBack;
       if (facing && goes_on) {
         out.back().triangle_count += cluster.count;
       } else if (facing) {
         out.push_back({cluster.first, cluster.count, false});
       }
-      counts.triangles += facing ? cluster.count : 0;
+      triangles += facing ? cluster.count : 0;
       goes_on = facing;
       return true;
     });
   }
+  return triangles;
 }
 
 std::size_t FacingClusters::bytes() const noexcept {

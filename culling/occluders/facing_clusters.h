@@ -30,25 +30,20 @@ struct ClusterRules {
   bool by_normal = true;    ///< and those with like normals
 };
 
-/// What a walk down the clusters has cost and brought.
-struct ClusterCounts {
-  std::uint64_t regions = 0;    ///< clusters held against an eye
-  std::uint64_t triangles = 0;  ///< handed over to be looked at one by one
-};
-
 class FacingClusters {
  public:
   /// COST: O(n log n) time; some 24 bytes a triangle and 128 for each `leaf` / 2 of them.
   static FacingClusters of(const Mesh& mesh, const ClusterRules& rules);
 
   /// Nothing of the mesh can be seen from there: all of it is single-sided, and turned away.
-  /// `hierarchy`: false asks the clusters of the leaves alone, all of them.
-  bool turnedAway(const MeshEye& eye, bool hierarchy, ClusterCounts& counts) const;
+  /// `hierarchy`: false asks the clusters of the leaves alone, all of them. `regions` grows by the
+  /// clusters held against the eye.
+  bool turnedAway(const MeshEye& eye, bool hierarchy, std::uint64_t& regions) const;
 
   /// The mesh's blocking triangles without the clusters whose back region the eye is in, as runs of
-  /// triangles().
-  void appendFacing(const Mesh& mesh, const MeshEye& eye, bool hierarchy,
-                    std::vector<SheetSurface>& out, ClusterCounts& counts) const;
+  /// triangles(). Returns how many triangles are in them.
+  std::uint32_t appendFacing(const Mesh& mesh, const MeshEye& eye, bool hierarchy,
+                             std::vector<SheetSurface>& out, std::uint64_t& regions) const;
 
   /// The mesh's triangles and their partners in the order of clusters; surfaces stay where they
   /// are. Empty if none of them is single-sided.
@@ -74,7 +69,7 @@ class FacingClusters {
   };
   static FacingRegion regionOf(const Cluster& cluster, const MeshEye& eye) noexcept;
   template <typename Take>
-  void walk(std::uint32_t root, const MeshEye& eye, bool hierarchy, ClusterCounts& counts,
+  void walk(std::uint32_t root, const MeshEye& eye, bool hierarchy, std::uint64_t& regions,
             const Take& take) const;
 
   std::vector<Cluster> clusters_;

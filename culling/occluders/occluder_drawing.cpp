@@ -15,7 +15,7 @@ constexpr std::uint64_t kVertexNs = 20, kTriangleNs = 390, kDrawingWorkNs = 14;
 
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells
 constexpr std::uint64_t kTrianglesPerCell = 1;
-constexpr std::uint64_t kVerticesPerCell = 4;  ///< as all of a mesh's vertices are transformed
+constexpr std::uint64_t kVerticesPerCell = 4;
 
 }  // namespace
 
@@ -23,9 +23,14 @@ bool largeEnough(const CellRect& rect) noexcept {
   return rect.x1 - rect.x0 + 1 >= kLeastOccluderSide && rect.y1 - rect.y0 + 1 >= kLeastOccluderSide;
 }
 
+bool worthDrawing(const CellRect& rect, std::uint64_t vertices,
+                  std::uint64_t blocking_triangles) noexcept {
+  return largeEnough(rect) && vertices <= kVerticesPerCell * rect.cells() &&
+         blocking_triangles <= kTrianglesPerCell * rect.cells();
+}
+
 bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) noexcept {
-  return largeEnough(rect) && mesh.vertices <= kVerticesPerCell * rect.cells() &&
-         mesh.blocking_triangles <= kTrianglesPerCell * rect.cells();
+  return worthDrawing(rect, mesh.vertices, mesh.blocking_triangles);
 }
 
 SheetObject sheetObjectOf(const SceneSnapshot& scene, const Instance& instance, float nearest,

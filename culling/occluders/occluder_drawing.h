@@ -26,6 +26,9 @@ SheetObject sheetObjectOf(const SceneSnapshot& scene, const Instance& instance, 
 /// Smaller ones rarely fill any cell.
 bool largeEnough(const CellRect& rect) noexcept;
 /// Large enough, and with no more detail than cells. A choice of cost: it changes no promise.
+/// `vertices`: all of the mesh's, as all of them are transformed.
+bool worthDrawing(const CellRect& rect, std::uint64_t vertices,
+                  std::uint64_t blocking_triangles) noexcept;
 bool worthDrawing(const CellRect& rect, const OccluderMesh& mesh) noexcept;
 
 /// Buffers kept from object to object for their memory only.

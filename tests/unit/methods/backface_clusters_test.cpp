@@ -57,11 +57,27 @@ TEST(BackfaceClusters, LeavesOutObjectsThatTurnAway) {
 
 TEST(BackfaceClusters, LeavesOutClustersOfOccludersAndAnswersTheSame) {
   const SnapshotPtr scene = gallery();
-  const Answer whole = look(scene, ":clusters=off", ahead()), parts = look(scene, "", ahead());
+  const std::string ample = ":triangles=10000000";
+  const Answer whole = look(scene, ample + ":clusters=off", ahead());
+  const Answer parts = look(scene, ample, ahead());
   EXPECT_EQ(parts.visible, whole.visible);
   EXPECT_EQ(parts.stats.triangles_drawn, whole.stats.triangles_drawn);
   EXPECT_LT(parts.stats.work, whole.stats.work);  // as fewer triangles were asked one by one
   EXPECT_GT(parts.stats.occluders_drawn, 10U);
+}
+
+TEST(BackfaceClusters, ChargesOnlyTrianglesThatAreLookedAt) {
+  scenes::Random random(1);
+  const scenes::Triangles ball = scenes::ball(16, 0.0, random);
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({{ball.positions, ball.indices, true, false}}));
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    builder.addInstance(mesh, {1, 0, 0, 3.0 * i - 4.5, 0, 1, 0, 0, 0, 0, 1, -8}, i);
+  }
+  const SnapshotPtr scene = builder.finish();
+  const std::string budget = ":triangles=" + std::to_string(ball.indices.size() / 3 * 2);
+  EXPECT_EQ(look(scene, budget, ahead()).stats.occluders_drawn, 3U);
+  EXPECT_EQ(look(scene, budget + ":clusters=off", ahead()).stats.occluders_drawn, 2U);
 }
 
 TEST(BackfaceClusters, HidesWhatOccludersCover) {

@@ -104,9 +104,9 @@ class OneMesh {
     return out;
   }
   bool away(const glm::dvec3& eye) const {
-    ClusterCounts counts;
+    std::uint64_t regions = 0;
     const auto mesh_eye = meshEye(placed_, viewer(eye));
-    return mesh_eye && clusters_.turnedAway(*mesh_eye, true, counts);
+    return mesh_eye && clusters_.turnedAway(*mesh_eye, true, regions);
   }
   bool facesAny(const TrueObject& object, const glm::dvec3& eye, std::uint32_t t) {
     const std::array<Vec, 3> corner = object.triangle(t);
@@ -132,9 +132,9 @@ class OneMesh {
     const auto mesh_eye = meshEye(placed_, viewer(eye));
     if (!mesh_eye) return;
     const TrueObject object(mesh_, placed_, eye);
-    ClusterCounts counts;
+    std::uint64_t regions = 0;
     std::vector<SheetSurface> runs;
-    clusters_.appendFacing(mesh_, *mesh_eye, true, runs, counts);
+    clusters_.appendFacing(mesh_, *mesh_eye, true, runs, regions);
     std::vector<bool> named(mesh_.triangles.size());
     for (const SheetSurface& run : runs) {
       for (std::uint32_t i = 0; i < run.triangle_count; ++i) named[run.first_triangle + i] = true;
