@@ -21,16 +21,15 @@ struct FrustumMemory final : ViewState::Memory {
 
 class FrustumCuller final : public Culler, public HoldsBoxes {
  public:
-  FrustumCuller(LateBoxes boxes, SnapshotPtr scene, const FrustumOptions& options,
-                const Clock& clock)
-      : boxes_(std::move(boxes)), scene_(std::move(scene)), options_(options), clock_(clock) {}
+  FrustumCuller(LateBoxes boxes, const FrustumOptions& options, const Clock& clock)
+      : boxes_(std::move(boxes)), options_(options), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
     const auto start = clock_.now();
     const WideBvh& bvh = boxes_.boxes().bvh();
     const FrustumParts parts{options_.masking, options_.octants,
                              options_.coherence ? &view.memory<FrustumMemory>().coherence : nullptr,
-                             options_.oriented ? scene_.get() : nullptr, options_.sphere};
+                             options_.oriented ? boxes_.scene().get() : nullptr, options_.sphere};
     Answer answer;
     FrustumWalkStats walk = appendInFrustum(
         bvh, FrustumTest(camera, bvh), Deadline(clock_, start, demand.time), answer.visible, parts);
@@ -43,20 +42,19 @@ class FrustumCuller final : public Culler, public HoldsBoxes {
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,
                                          std::span<const ObjectId> changed) const override {
-    auto boxes = boxes_.edited(next, changed);
+    auto boxes = boxes_.edited(std::move(next), changed);
     if (!boxes) return std::move(boxes).error();
-    return std::unique_ptr<Culler>(std::make_unique<FrustumCuller>(
-        std::move(boxes).value(), std::move(next), options_, clock_));
+    return std::unique_ptr<Culler>(
+        std::make_unique<FrustumCuller>(std::move(boxes).value(), options_, clock_));
   }
 
-  std::size_t preparedBytes() const noexcept override { return boxes_.boxes().bytes(); }
+  std::size_t preparedBytes() const noexcept override { return boxes_.bytes(); }
   const PreparedBoxes* boxes() const noexcept override {
     return boxes_.waiting().empty() ? &boxes_.boxes() : nullptr;
   }
 
  private:
   LateBoxes boxes_;
-  SnapshotPtr scene_;
   FrustumOptions options_;
   const Clock& clock_;
 };
@@ -86,10 +84,10 @@ class FrustumMethod final : public Method {
   }
   Result<void> accepts(const SceneProfile& /*profile*/) const override { return Done{}; }
   Result<std::unique_ptr<Culler>> prepare(SnapshotPtr scene, const Clock& clock) const override {
-    auto boxes = PreparedBoxes::of(scene);
+    auto boxes = PreparedBoxes::of(std::move(scene));
     if (!boxes) return std::move(boxes).error();
     return std::unique_ptr<Culler>(std::make_unique<FrustumCuller>(
-        LateBoxes(std::move(boxes).value(), options_.late), std::move(scene), options_, clock));
+        LateBoxes(std::move(boxes).value(), options_.late), options_, clock));
   }
 
  private:

@@ -34,6 +34,8 @@ Result<LateBoxes> LateBoxes::edited(SnapshotPtr next, std::span<const ObjectId> 
     LateBoxes waits = *this;
     waits.scene_ = std::move(next);
     waits.waiting_ = std::move(all);
+    waits.bits_.resize(boxes_.scene()->objectCount() / 64 + 1);
+    for (const ObjectId id : changed) waits.bits_[id / 64] |= std::uint64_t{1} << (id % 64);
     return waits;
   }
   auto refreshed = boxes_.edited(std::move(next), all);
@@ -45,9 +47,12 @@ std::size_t LateBoxes::bringUpToDate(const Camera& camera, std::vector<ObjectId>
                                      FrustumWalkStats& stats) const {
   std::size_t live_now = boxes_.bvh().liveObjects();
   if (waiting_.empty()) return live_now;
-  std::erase_if(found, [this](ObjectId id) {
-    return std::binary_search(waiting_.begin(), waiting_.end(), id);
-  });
+  std::size_t left = 0;
+  for (const ObjectId id : found) {  // without a branch: which ones wait is no pattern
+    found[left] = id;
+    left += waits(id) ? 0U : 1U;
+  }
+  found.resize(left);
   std::vector<ObjectId> there;
   Box everything;
   for (const ObjectId id : waiting_) {
@@ -63,6 +68,7 @@ std::size_t LateBoxes::bringUpToDate(const Camera& camera, std::vector<ObjectId>
     const std::size_t count = std::min(kWideLanes, there.size() - first);
     for (std::size_t l = 0; l < count; ++l) node.child[l] = ChildRef::object(there[first + l]);
     fitNode(node, *scene_, [&](std::uint32_t) -> const WideNode& { return node; });
+    ++stats.nodes_visited;
     stats.tested += static_cast<std::uint32_t>(count);
     stats.plane_tests += count * static_cast<std::size_t>(std::popcount(frustum.planes()));
     const LaneVerdicts verdicts = frustum.test(node, frustum.planes());

@@ -1,5 +1,6 @@
 // Prepared boxes whose volumes are refreshed late: objects that move wait beside the tree, and are
-// asked one by one, until there are so many that refitting nodes for all of them at once pays.
+// asked eight at a time, until there are so many that refitting nodes for all of them at once pays.
+// What waits is asked by its bounds alone, whatever a walk of the tree asks of the others.
 #pragma once
 #include <span>
 #include <vector>
@@ -14,7 +15,7 @@ class LateBoxes {
  public:
   /// `most_waiting`: 0 refreshes with every edit.
   LateBoxes(PreparedBoxes boxes, std::size_t most_waiting)
-      : boxes_(std::move(boxes)), most_waiting_(most_waiting) {}
+      : boxes_(std::move(boxes)), most_waiting_(most_waiting), scene_(boxes_.scene()) {}
 
   /// REQUIRES: `next` came from this snapshot by edits of the objects in `changed`.
   /// ERROR: as PreparedBoxes.
@@ -22,6 +23,12 @@ class LateBoxes {
 
   /// As they were when they were refreshed last.
   const PreparedBoxes& boxes() const noexcept { return boxes_; }
+  /// As it is now.
+  const SnapshotPtr& scene() const noexcept { return scene_; }
+  std::size_t bytes() const noexcept {
+    return boxes_.bytes() + waiting_.capacity() * sizeof(ObjectId) +
+           bits_.capacity() * sizeof(std::uint64_t);
+  }
   /// Ascending: where they are in boxes() is out of date.
   std::span<const ObjectId> waiting() const noexcept { return waiting_; }
 
@@ -32,11 +39,13 @@ class LateBoxes {
 
  private:
   bool mayWait(const SceneSnapshot& next, ObjectId id) const;
+  bool waits(ObjectId id) const noexcept { return (bits_[id / 64] >> (id % 64) & 1U) != 0; }
 
   PreparedBoxes boxes_;
   std::size_t most_waiting_;
-  SnapshotPtr scene_;  ///< where those that wait are; none if none do
+  SnapshotPtr scene_;
   std::vector<ObjectId> waiting_;
+  std::vector<std::uint64_t> bits_;  ///< of waiting_, by object of boxes(); empty if none waits
 };
 
 }  // namespace culld

@@ -63,7 +63,7 @@ class RandomEdits {
 TEST(Edits, ARefittedCullerMissesNothingAndAnswersNoHiddenObject) {
   for (std::uint64_t seed = 1; seed <= scenes::rounds(40); ++seed) {
     SnapshotPtr scene = scenes::randomScene(seed);
-    std::vector<PreparedMethod> methods = prepareAll(scene);
+    std::vector<PreparedMethod> methods = prepareAll(scene, kFrustumSettings);
     RandomEdits edits(seed);
     for (int step = 0; step < 12; ++step) {
       auto edited = applyEdits(scene, edits.next(*scene));

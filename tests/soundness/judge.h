@@ -37,7 +37,9 @@ struct PreparedMethod {
 };
 
 /// Every method of the table, ready for `scene`.
-inline std::vector<PreparedMethod> prepareAll(const SnapshotPtr& scene) {
+/// `settings`: methods with settings, beside all the others.
+inline std::vector<PreparedMethod> prepareAll(const SnapshotPtr& scene,
+                                              std::span<const char* const> settings = {}) {
   std::vector<PreparedMethod> out;
   for (const Method* method : allMethods()) {
     auto culler = method->prepare(scene);
@@ -46,7 +48,16 @@ inline std::vector<PreparedMethod> prepareAll(const SnapshotPtr& scene) {
       out.push_back({std::string(method->info().name), std::move(culler).value(), ViewState{}});
     }
   }
+  static ConfiguredMethods configured(allMethods());
+  for (const char* const name : settings) {
+    const auto method = configured.find(name);
+    EXPECT_TRUE(method.ok()) << name;
+    if (method.ok()) out.push_back({name, method.value()->prepare(scene).value(), ViewState{}});
+  }
   return out;
 }
+
+/// Settings of `frustum` that leave out more than the standard, or answer from what is out of date.
+inline constexpr const char* kFrustumSettings[] = {"frustum:oriented=on", "frustum:late=4096"};
 
 }  // namespace culld

@@ -64,7 +64,7 @@ TEST(MotionBounds, NoMethodLacksWhatAPoseWithinTheBoundSees) {
     const SnapshotPtr scene = scenes::randomScene(seed);
     const auto oracle = Oracle::build(scene);
     ASSERT_TRUE(oracle.ok());
-    const std::vector<PreparedMethod> methods = prepareAll(scene);
+    const std::vector<PreparedMethod> methods = prepareAll(scene, kFrustumSettings);
     scenes::Random random(seed);
     const double size = usualSize(*scene);
     for (const scenes::CameraSpec& spec : scenes::randomCameras(seed, *scene, 2)) {
@@ -88,7 +88,7 @@ TEST(MotionBounds, NoMethodLacksWhatAWalkerInTheCitySees) {
   const SnapshotPtr scene = scenes::toSnapshot(city.model);
   const auto oracle = Oracle::build(scene);
   ASSERT_TRUE(oracle.ok());
-  const std::vector<PreparedMethod> methods = prepareAll(scene);
+  const std::vector<PreparedMethod> methods = prepareAll(scene, kFrustumSettings);
   Tally tally;
   for (std::size_t i = 0; i < city.cameras.size(); i += 2) {
     SCOPED_TRACE("camera " + std::to_string(i));

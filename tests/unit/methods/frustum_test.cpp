@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "culling/core/simd.h"
-#include "culling/spatial/prepared_boxes.h"
+#include "tests/unit/methods/random_cameras.h"
 #include "tests/unit/spatial/box_scene.h"
 #include "tests/unit/spatial/exact.h"
 
@@ -28,57 +28,6 @@ std::unique_ptr<Culler> prepared(const SnapshotPtr& scene, const Clock& clock = 
   auto culler = frustumMethod().prepare(scene, clock);
   EXPECT_TRUE(culler.ok());
   return std::move(culler).value();
-}
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
-Camera perspectiveCamera(std::mt19937_64& random, const glm::dvec3& centre, double extent) {
-  const auto point = [&] {
-    return centre + extent * glm::dvec3(uniform(random, -1, 1), uniform(random, -1, 1),
-                                        uniform(random, -1, 1));
-  };
-  LookAt look;
-  look.eye = point();
-  look.target = point();
-  look.yfov_rad = uniform(random, 2e-4, 3.12);  // 0.01 to 179 degrees
-  look.aspect = std::exp(uniform(random, -3, 3));
-  look.znear_m = extent * std::pow(10.0, uniform(random, -6, -1));
-  if (random() % 2 == 0) look.zfar_m = extent * std::pow(10.0, uniform(random, -0.5, 9));
-  return cameraFromLookAt(look, {}).value();
-}
-
-/// Off-centre, and mirrored, reversed or orthographic now and then.
-Camera matrixCamera(std::mt19937_64& random, const glm::dvec3& centre, double extent) {
-  const Camera pose = perspectiveCamera(random, centre, extent);
-  const glm::dvec3 w = glm::normalize(glm::dvec3(pose.w_row));
-  const glm::dvec3 x = glm::normalize(glm::dvec3(pose.x_row)) * (random() % 3 == 0 ? -1.0 : 1.0);
-  const glm::dvec3 y = glm::normalize(glm::dvec3(pose.y_row));
-  const glm::dvec3 eye = pose.origin_world;
-  const glm::dmat4 view =
-      glm::transpose(glm::dmat4(glm::dvec4(x, -glm::dot(x, eye)), glm::dvec4(y, -glm::dot(y, eye)),
-                                glm::dvec4(-w, glm::dot(w, eye)), glm::dvec4(0, 0, 0, 1)));
-  const double near = extent * 1e-3, far = extent * 2.0;
-  const double sx = uniform(random, 0.3, 5), sy = uniform(random, 0.3, 5);
-  const double ox = uniform(random, -2, 2), oy = uniform(random, -2, 2);
-  glm::dmat4 projection(0.0);
-  if (random() % 3 == 0) {  // orthographic, `extent` wide or so
-    projection[0][0] = sx / extent;
-    projection[1][1] = sy / extent;
-    projection[2][2] = -2.0 / (far - near);
-    projection[3] = glm::dvec4(ox, oy, -(far + near) / (far - near), 1.0);
-  } else {
-    const bool reversed = random() % 2 == 0;
-    const double sign = reversed ? -1.0 : 1.0;
-    projection[0][0] = sx;
-    projection[1][1] = sy;
-    projection[2] = glm::dvec4(ox, oy, -sign * (far + near) / (far - near), -1.0);
-    projection[3][2] = -sign * 2.0 * far * near / (far - near);
-  }
-  auto camera = cameraFromMatrices(view, projection, {});
-  EXPECT_TRUE(camera.ok());
-  return camera.value();
 }
 
 class FrustumMethod : public ::testing::TestWithParam<std::string> {
@@ -273,147 +222,6 @@ TEST(Frustum, AnswersManyThreadsWhileNewerVersionsAreMade) {
   }
   readers.clear();
   EXPECT_EQ(different, 0);
-}
-
-std::unique_ptr<Culler> withSettings(const std::string& settings, const SnapshotPtr& scene) {
-  const Method* const table[] = {&frustumMethod()};
-  ConfiguredMethods methods(table);
-  return methods.find("frustum" + settings).value()->prepare(scene, steadyClock()).value();
-}
-
-struct Work {
-  std::size_t answered = 0;
-  std::uint64_t plane_tests = 0;
-};
-
-/// A camera that turns a little from frame to frame.
-Work turningView(const Culler& culler, bool remembers = true) {
-  Work work;
-  ViewState view;
-  for (int n = 0; n < 60; ++n) {
-    LookAt look;
-    look.target = {std::sin(0.02 * n), 0.1, -std::cos(0.02 * n)};
-    look.zfar_m = 120.0;
-    if (!remembers) view = ViewState();
-    const Answer answer = culler.cull(cameraFromLookAt(look, {}).value(), {}, view);
-    work.answered += answer.visible.size();
-    work.plane_tests += answer.stats.plane_tests;
-  }
-  return work;
-}
-
-SnapshotPtr manyBoxes() { return boxScene(randomBoxes(20'000, {0, 0, 0}, 100.0, 21)); }
-
-TEST(FrustumSettings, MaskingAsksFewerPlanesForTheSameAnswer) {
-  const SnapshotPtr scene = manyBoxes();
-  const Work masked = turningView(*withSettings("", scene));
-  const Work all = turningView(*withSettings(":masking=off", scene));
-  EXPECT_EQ(masked.answered, all.answered);
-  EXPECT_LT(masked.plane_tests, all.plane_tests);
-}
-
-TEST(FrustumSettings, OctantsAskFewerPlanesForTheSameAnswer) {
-  const SnapshotPtr scene = manyBoxes();
-  const Work plain = turningView(*withSettings(":masking=off", scene));
-  const Work octants = turningView(*withSettings(":masking=off:octants=on", scene));
-  EXPECT_EQ(octants.answered, plain.answered);
-  EXPECT_LT(octants.plane_tests, plain.plane_tests);
-}
-
-TEST(FrustumSettings, CoherenceAsksFewerPlanesWithAMemoryThanWithout) {
-  const SnapshotPtr scene = manyBoxes();
-  const auto culler = withSettings(":coherence=on", scene);
-  const Work kept = turningView(*culler), dropped = turningView(*culler, false);
-  EXPECT_EQ(kept.answered, dropped.answered);
-  EXPECT_EQ(kept.answered, turningView(*withSettings("", scene)).answered);
-  EXPECT_LT(kept.plane_tests, dropped.plane_tests);
-}
-
-/// Long boxes, turned in all ways.
-SnapshotPtr turnedBoxes() {
-  std::mt19937_64 random(31);
-  std::vector<std::array<double, 12>> boxes;
-  for (int i = 0; i < 4'000; ++i) {
-    const double a = uniform(random, 0, 6.28), b = uniform(random, 0, 6.28);
-    const double ca = std::cos(a), sa = std::sin(a), cb = std::cos(b), sb = std::sin(b);
-    const glm::dvec3 size(uniform(random, 5, 20), 0.5, 0.5);
-    const auto at = [&] { return uniform(random, -60, 60); };
-    boxes.push_back({ca * size.x, -sa * cb * size.y, sa * sb * size.z, at(), sa * size.x,
-                     ca * cb * size.y, -ca * sb * size.z, at(), 0, sb * size.y, cb * size.z, at()});
-  }
-  return boxScene(boxes);
-}
-
-TEST(FrustumSettings, OrientedBoxesLeaveOutMoreAndSpheresComeFirst) {
-  const SnapshotPtr scene = turnedBoxes();
-  const Work plain = turningView(*withSettings("", scene));
-  const Work oriented = turningView(*withSettings(":oriented=on", scene));
-  EXPECT_LT(20 * oriented.answered, 19 * plain.answered);
-  const Work no_sphere = turningView(*withSettings(":oriented=on:sphere=off", scene));
-  EXPECT_EQ(no_sphere.answered, oriented.answered);
-  EXPECT_NE(no_sphere.plane_tests, oriented.plane_tests);
-}
-
-TEST(FrustumSettings, OrientedBoxesKeepAllThatReachesIntoTheFrustum) {
-  const SnapshotPtr scene = turnedBoxes();
-  const auto culler = withSettings(":oriented=on:octants=on:coherence=on", scene);
-  std::mt19937_64 random(41);
-  ViewState view;
-  for (int n = 0; n < 60; ++n) {
-    Camera camera = n % 2 == 0 ? perspectiveCamera(random, {0, 0, 0}, 60.0)
-                               : matrixCamera(random, {0, 0, 0}, 60.0);
-    const Answer answer = culler->cull(camera, {}, view);
-    for (ObjectId id = 0; id < scene->objectCount(); ++id) {
-      if (std::binary_search(answer.visible.begin(), answer.visible.end(), id)) continue;
-      const Instance& instance = scene->instance(id);
-      bool out = false;
-      for (const QuadPlane& plane : exactPlanes(camera)) {
-        bool all = true;
-        for (const glm::vec3& corner : scene->mesh(instance.mesh).positions) {
-          const glm::dvec3 p(corner);
-          Quad value = plane.d;
-          for (std::size_t i = 0; i < 3; ++i) {
-            const double* row = &instance.world_from_mesh[4 * i];
-            const auto axis = static_cast<int>(i);
-            value +=
-                plane.n[i] * (static_cast<Quad>(row[0]) * p.x + static_cast<Quad>(row[1]) * p.y +
-                              static_cast<Quad>(row[2]) * p.z + static_cast<Quad>(row[3]) -
-                              camera.origin_world[axis]);
-          }
-          all = all && value < 0;
-        }
-        out = out || all;
-      }
-      ASSERT_TRUE(out) << "camera " << n << " object " << id;
-    }
-  }
-}
-
-TEST(FrustumSettings, WhatWaitsBesideTheTreeIsAnsweredWhereItIs) {
-  std::mt19937_64 random(51);
-  SnapshotPtr scene = boxScene(randomBoxes(2'000, {0, 0, 0}, 50.0, 52));
-  std::unique_ptr<Culler> late = withSettings(":late=64", scene), now = withSettings("", scene);
-  ViewState a, b;
-  std::size_t waited = 0;
-  for (int n = 0; n < 150; ++n) {
-    const auto id = static_cast<ObjectId>(random() % 2'000);
-    auto t = scene->instance(id).world_from_mesh;
-    t[3] += uniform(random, -20, 20);
-    const Edit choices[] = {MoveObject{id, t}, MoveObject{id, t}, HideObject{id}, ShowObject{id},
-                            AddInstance{id, t}};
-    const auto edited =
-        applyEdits(scene, std::vector<Edit>{choices[random() % (n % 20 == 0 ? 5 : 4)]});
-    ASSERT_TRUE(edited.ok());
-    scene = edited.value().snapshot;
-    late = std::move(late->edited(scene, edited.value().changed)).value();
-    now = std::move(now->edited(scene, edited.value().changed)).value();
-    const Camera camera = perspectiveCamera(random, {0, 0, 0}, 50.0);
-    const Answer x = late->cull(camera, {}, a), y = now->cull(camera, {}, b);
-    ASSERT_EQ(x.visible, y.visible) << n;
-    ASSERT_EQ(x.stats.outside, y.stats.outside);
-    waited += dynamic_cast<const HoldsBoxes&>(*late).boxes() == nullptr ? 1U : 0U;
-  }
-  EXPECT_GT(waited, 100U);
 }
 
 TEST(Frustum, HoldsAtMost45BytesPerObject) {
