@@ -12,6 +12,7 @@
 
 #include "culling/gpu/child_probe.h"
 #include "culling/gpu/self_test.h"
+#include "culling/gpu/unavailable.h"
 
 namespace culld::gpu {
 namespace {
@@ -33,8 +34,6 @@ Opened& opened() {
   static auto& state = *new Opened;
   return state;
 }
-
-Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::move(message)}; }
 
 /// Before Mesa reads it. What the user has set stays.
 void setEnvironment() {

@@ -11,15 +11,16 @@
 #include <cstring>
 #include <exception>
 #include <string>
+#include <thread>
 
 #include "culling/core/clock.h"
+#include "culling/gpu/unavailable.h"
 
 namespace culld::gpu {
 namespace {
 
+constexpr std::chrono::seconds kUntilKilled{2};
 constexpr char kFine = '+';  ///< anything else is the message of an error
-
-Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::move(message)}; }
 
 [[noreturn]] void runChild(const std::function<Result<void>()>& attempt, int out) {
   const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
@@ -41,9 +42,10 @@ Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::m
   ::_exit(0);  // no destructors: they would be the driver's
 }
 
+using Time = std::chrono::nanoseconds;
+
 /// All that the child writes until it ends. False: it was not done in time.
-bool readUntilEnd(int in, std::chrono::milliseconds limit, std::string& text) {
-  const auto end = steadyClock().now() + limit;
+bool readUntilEnd(int in, Time end, std::string& text) {
   for (;;) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(end - steadyClock().now());
@@ -60,11 +62,15 @@ bool readUntilEnd(int in, std::chrono::milliseconds limit, std::string& text) {
   }
 }
 
-int waitFor(pid_t child) {
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+/// False: it has not ended in time. Inside a driver not even SIGKILL ends a process for certain;
+/// one that stays is the init process's when this one ends.
+bool waitUntilEnd(pid_t child, Time end, int& status) {
+  for (;;) {
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) return true;
+    if ((ended < 0 && errno != EINTR) || steadyClock().now() >= end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  return status;
 }
 
 }  // namespace
@@ -85,11 +91,13 @@ Result<void> tryInChild(const std::function<Result<void>()>& attempt,
   }
   ::close(ends[1]);
   std::string text;
-  const bool ended = readUntilEnd(ends[0], limit, text);
+  int status = 0;
+  const Time end = steadyClock().now() + limit;
+  const bool ended = readUntilEnd(ends[0], end, text) && waitUntilEnd(child, end, status);
   ::close(ends[0]);
-  if (!ended) ::kill(child, SIGKILL);
-  const int status = waitFor(child);
   if (!ended) {
+    ::kill(child, SIGKILL);
+    waitUntilEnd(child, steadyClock().now() + kUntilKilled, status);
     return unavailable("not done within " + std::to_string(limit.count()) + " ms");
   }
   if (WIFSIGNALED(status)) {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "culling/gpu/platform.h"
+#include "culling/gpu/unavailable.h"
 
 namespace culld::gpu {
 namespace {
@@ -78,8 +79,6 @@ const Egl& library() {
   static const Egl egl = openLibrary();
   return egl;
 }
-
-Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::move(message)}; }
 
 Error failed(const char* call) {
   std::array<char, 16> code{};

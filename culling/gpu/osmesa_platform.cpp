@@ -3,6 +3,7 @@
 #include <array>
 
 #include "culling/gpu/platform.h"
+#include "culling/gpu/unavailable.h"
 
 namespace culld::gpu {
 namespace {
@@ -79,8 +80,7 @@ class OffscreenPlatform final : public Platform {
                                kMajor,  4,          kMinor,     5,        0};
     const OsMesaContext context = library().CreateContextAttribs(kWanted, nullptr);
     if (context == nullptr) {
-      return Error{ErrorCode::kUnavailable,
-                   "OSMesaCreateContextAttribs failed for OpenGL 4.5 core"};
+      return unavailable("OSMesaCreateContextAttribs failed for OpenGL 4.5 core");
     }
     return std::unique_ptr<NativeContext>(std::make_unique<OffscreenContext>(context));
   }
@@ -90,7 +90,7 @@ class OffscreenPlatform final : public Platform {
 }  // namespace
 
 Result<std::shared_ptr<Platform>> openOsMesa() {
-  if (!library().missing.empty()) return Error{ErrorCode::kUnavailable, library().missing};
+  if (!library().missing.empty()) return unavailable(library().missing);
   return std::shared_ptr<Platform>(std::make_shared<OffscreenPlatform>());
 }
 

@@ -5,15 +5,17 @@
 #include <algorithm>
 #include <array>
 
+#include "culling/gpu/unavailable.h"
+
 namespace culld::gpu {
 namespace {
 
 using Log = std::array<char, 512>;
 
-Error unavailable(const char* what, Log& log) {
+Error failed(const char* what, const Log& log) {
   std::string message = log.data();
   message.resize(std::min(message.find('\n'), message.size()));
-  return {ErrorCode::kUnavailable, std::string(what) + ": " + message};
+  return unavailable(std::string(what) + ": " + message);
 }
 
 Result<unsigned> compiled(const GlTable& gl, unsigned type, const std::string& source) {
@@ -27,7 +29,7 @@ Result<unsigned> compiled(const GlTable& gl, unsigned type, const std::string& s
   Log log{};
   gl.GetShaderInfoLog(shader, static_cast<int>(log.size()) - 1, nullptr, log.data());
   gl.DeleteShader(shader);
-  return unavailable("a shader does not compile", log);
+  return failed("a shader does not compile", log);
 }
 
 Result<unsigned> linked(const GlTable& gl, std::span<const unsigned> shaders) {
@@ -41,7 +43,7 @@ Result<unsigned> linked(const GlTable& gl, std::span<const unsigned> shaders) {
   Log log{};
   gl.GetProgramInfoLog(program, static_cast<int>(log.size()) - 1, nullptr, log.data());
   gl.DeleteProgram(program);
-  return unavailable("a program does not link", log);
+  return failed("a program does not link", log);
 }
 
 }  // namespace

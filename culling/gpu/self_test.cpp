@@ -9,6 +9,7 @@
 
 #include "culling/gpu/depth_reference.h"
 #include "culling/gpu/program.h"
+#include "culling/gpu/unavailable.h"
 
 namespace culld::gpu {
 namespace {
@@ -28,8 +29,6 @@ void main() {
   sums[i] = sum;
 }
 )";
-
-Error unavailable(std::string message) { return {ErrorCode::kUnavailable, std::move(message)}; }
 
 /// Diamonds before each other, with a slope each.
 OutlineBatch diamonds(const CellGrid& grid) {

@@ -58,6 +58,19 @@ TEST(ChildProbe, KillsWhatHangs) {
   EXPECT_EQ(hung.error().message, "not done within 100 ms");
 }
 
+TEST(ChildProbe, KillsWhatHangsOnItsWayOut) {
+  const auto hung = tryInChild(
+      []() -> Result<void> {
+        constexpr unsigned kFirstFile = 3;
+        ::close_range(kFirstFile, ~0U, 0);  // nothing more will be said
+        ::pause();
+        return Done{};
+      },
+      milliseconds(100));
+  ASSERT_FALSE(hung.ok());
+  EXPECT_EQ(hung.error().message, "not done within 100 ms");
+}
+
 TEST(ChildProbe, NoticesAnEndWithoutAWord) {
   const auto silent = tryInChild([]() -> Result<void> { ::_exit(3); }, milliseconds(20'000));
   ASSERT_FALSE(silent.ok());
