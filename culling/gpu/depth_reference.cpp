@@ -34,7 +34,7 @@ void DepthReference::raise(const OutlineBatch& batch, const OutlineHead& head, s
   const auto i = static_cast<float>(x), j = static_cast<float>(y);
   const OutlineLine* line = batch.lines.data() + head.first_line;
   for (std::uint32_t s = 0; s < head.sides; ++s, ++line) {
-    if (!(valueAt(*line, i, j) >= line->least)) return;
+    if (!(valueAt(*line, i, j) > line->least)) return;
   }
   float nearness = head.floor;
   if (head.planes > 0) {

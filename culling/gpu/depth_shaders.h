@@ -31,12 +31,14 @@ flat in uint outline;
 void main() {
   Head head = heads[outline];
   uvec2 cell = uvec2(gl_FragCoord.xy);
+  // What the sides say holds in the rectangle only.
+  if (cell.x < head.x0 || cell.x >= head.x1 || cell.y < head.y0 || cell.y >= head.y1) return;
   float i = float(cell.x), j = float(cell.y);
   for (uint s = 0u; s < head.sides; ++s) {
     vec4 side = lines[head.first + s];
     precise float rest = side.z + side.y * j;
     precise float value = side.x * i + rest;
-    if (!(value >= side.w)) return;
+    if (!(value > side.w)) return;  // strictly: zeros, read where there is no line, cover nothing
   }
   float nearness = head.floor_nearness;
   if (head.planes > 0u) {
@@ -89,7 +91,7 @@ layout(std430, binding = 3) writeonly buffer Hidden { uint hidden[]; };
 layout(location = 0) uniform uvec4 counts;    // queries, refine, levels, perspective
 layout(location = 1) uniform vec4 sizes;      // width, height, beside
 layout(location = 2) uniform vec4 rows[4];    // u, v, w, n
-layout(location = 6) uniform uvec4 level[16]; // first word, width
+layout(location = 6) uniform uvec4 level[13]; // first word, width
 
 // By their bits, as box_reference.cpp has them.
 const float kRelative = uintBitsToFloat(0x35800000u);   // 2^-20

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "culling/raster/convex_outline.h"
+#include "culling/raster/outline_rounding.h"
 
 namespace culld {
 namespace {
@@ -13,16 +14,11 @@ constexpr double kParts = 8.0;  ///< of a square and axis
 constexpr double kTileCells = kParts * kParts;
 
 /// A side's least and largest change from the lower corner of a cell.
-double low(const SideLine& s) { return std::min(s.a, 0.0) + std::min(s.b, 0.0); }
+double low(const SideLine& s) { return leastChange(s); }
 double high(const SideLine& s) { return std::max(s.a, 0.0) + std::max(s.b, 0.0); }
 
-/// What a side's value may lose on its way through float, and its own error (§4.6).
-double marginAt(const SideLine& s, double value) {
-  return s.error + 0x1p-20 * (std::abs(value) + 128.0);
-}
-
-/// A float >= x, for x within a float's range.
-float roundedUp(double x) { return static_cast<float>(x + 0x1p-22 * std::abs(x)); }
+/// What a side's value may lose on its way through float within a tile, and its own error (§4.6).
+double marginAt(const SideLine& s, double value) { return sideMargin(s, value, 128.0); }
 
 /// One plane of a tile whose first block lies at (x, y).
 void addPlane(OutlineSquare& square, const DepthPlane& plane, double x, double y) {
@@ -30,8 +26,9 @@ void addPlane(OutlineSquare& square, const DepthPlane& plane, double x, double y
   const double a = kParts * plane.a, b = kParts * plane.b;
   const double rise = std::abs(a) + std::abs(b);
   const double terms = std::abs(corner) + kParts * rise;
-  const double slack = 0x1p-20 * terms + 1e-37;
-  if (!(terms < 1e37)) return square.addConstant(square.depth_floor, square.depth_ceiling);
+  const double slack = planeSlack(terms);
+  if (!(terms < kMostPlaneTerms))
+    return square.addConstant(square.depth_floor, square.depth_ceiling);
   const std::uint32_t p = square.planes++;
   square.plane_a[p] = static_cast<float>(a);
   square.plane_b[p] = static_cast<float>(b);

@@ -1,21 +1,20 @@
 // Attacks error-model/gpu.md §2 from matrices to cells: what a shader covers, computed by the
-// reference that it equals, must be covered by the true object and at least as near. See
-// tests/unit/raster/cell_attack.h.
+// reference that it equals, must be covered by the true object and at least as near, and hidden
+// behind it from every eye within a motion bound. See cell_attack.h, motion_attack.h.
 #include "culling/gpu/depth_reference.h"
 #include "culling/occluders/convex_pieces.h"
-#include "tests/unit/raster/cell_attack.h"
+#include "tests/unit/raster/motion_attack.h"
 
 namespace culld::gpu {
 namespace {
 
-class GpuOutlineAttack : public CellAttack {
+template <typename Attack>
+class WithOutlines : public Attack {
  protected:
   void draw(const Mesh& mesh, const std::array<double, 12>& world_from_mesh, const CellView& view,
             const glm::dvec3& eye, DepthCells& cells) override {
-    const int wanted = static_cast<int>(view.front_sign * handedness(world_from_mesh));
+    const auto [wanted, rows] = Attack::placedIn(view, mesh, world_from_mesh, eye);
     if (wanted == 0) return;
-    const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
-    const ObjectRows rows = objectRows(view, world_from_mesh, eye, largest);
     const ConvexPieces whole = ConvexPieces::of(mesh);
     const ConvexPieces pieces = whole.size() != 0 ? whole : ConvexPieces::facesOf(mesh, 16);
     OutlineBatch batch;
@@ -42,6 +41,9 @@ class GpuOutlineAttack : public CellAttack {
   std::size_t drawn_ = 0;
 };
 
+using GpuOutlineAttack = WithOutlines<CellAttack>;
+using GpuMotionAttack = WithOutlines<MotionAttack>;
+
 TEST_F(GpuOutlineAttack, EveryRayThroughACoveredCellMeetsTheObjectAtLeastAsNear) {
   for (std::uint64_t seed = 1; seed <= 800 && !HasFatalFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -61,6 +63,26 @@ TEST_F(GpuOutlineAttack, AlsoWhereCancellationLeavesVerticesFewDigits) {
   }
   std::printf("%zu outlines, %zu cells judged\n", drawn_, cells_);
   EXPECT_GT(drawn_, 50U);
+}
+
+TEST_F(GpuMotionAttack, WhatLiesBehindACoveredCellIsHiddenFromEveryPose) {
+  for (std::uint64_t seed = 1; seed <= 1600 && !HasFatalFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    begin(seed);
+    attackMotion();
+  }
+  std::printf("%zu outlines, %zu cells judged\n", drawn_, cells_);
+  EXPECT_GT(drawn_, 250U);
+  EXPECT_GT(cells_, 500U);
+}
+
+TEST_F(GpuMotionAttack, WouldNoticeEdgesThatDoNotSway) {
+  forget_motion_ = true;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    begin(seed);
+    attackMotion();
+  }
+  EXPECT_GT(open_, 100U);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <random>
 
 namespace culld::gpu {
@@ -50,7 +51,7 @@ TEST_F(OutlineBatchAttack, ACellInsideASideHasAllOfItsCornersInside) {
     const double gap = std::exp2(real(-40.0, -6.0)) * (round % 3 == 0 ? -1.0 : 1.0);
     side.c = side.error + gap - side.a * x - side.b * y;
     const OutlineBatch batch = batchOf(&side, nullptr);
-    if (!(valueAt(batch.lines[0], i, j) >= batch.lines[0].least)) continue;
+    if (!(valueAt(batch.lines[0], i, j) > batch.lines[0].least)) continue;
     ++inside;
     const long double least =
         static_cast<long double>(side.a) * x + static_cast<long double>(side.b) * y + side.c;
@@ -71,6 +72,35 @@ TEST_F(OutlineBatchAttack, NoCellIsNearerThanItsPlaneAnywhereInIt) {
     const long double least =
         static_cast<long double>(plane.a) * x + static_cast<long double>(plane.b) * y + plane.c;
     ASSERT_LE(static_cast<long double>(valueAt(batch.lines[0], i, j)), least) << "round " << round;
+  }
+}
+
+float flushed(float x) { return std::fpclassify(x) == FP_SUBNORMAL ? 0.0F : x; }
+
+/// As a shader has it that takes every denormal for 0.
+float flushedValueAt(const OutlineLine& line, std::uint32_t i, std::uint32_t j) {
+  const float a = flushed(line.a), b = flushed(line.b), c = flushed(line.c);
+  const float across = flushed(a * static_cast<float>(i));
+  const float rest = flushed(c + flushed(b * static_cast<float>(j)));
+  return flushed(across + rest);
+}
+
+TEST_F(OutlineBatchAttack, AlsoWhereDenormalsCountAsZero) {
+  const auto promised = [&](const DepthPlane& plane, std::uint32_t i, std::uint32_t j) {
+    return flushedValueAt(batchOf(nullptr, &plane).lines[0], i, j);
+  };
+  EXPECT_LE(promised({-1.1e-38, 0.0, 1.2e-35, true}, 1200, 0), -1.1e-38 * 1201 + 1.2e-35);
+  for (int round = 0; round < kRounds; ++round) {
+    const double size = std::exp2(real(-140.0, -115.0));
+    DepthPlane plane{size * real(-1.0, 1.0), size * real(-1.0, 1.0), 0.0, true};
+    const std::uint32_t i = below(grid_.width), j = below(grid_.height);
+    plane.c = -plane.a * i - plane.b * j + size * real(0.0, 2.0) + real(0.0, 1e-34);
+    const double x = plane.a < 0.0 ? i + 1.0 : i, y = plane.b < 0.0 ? j + 1.0 : j;
+    const long double least =
+        static_cast<long double>(plane.a) * x + static_cast<long double>(plane.b) * y + plane.c;
+    const float value = promised(plane, i, j);
+    if (value < std::numeric_limits<float>::min()) continue;  // hides nothing
+    ASSERT_LE(static_cast<long double>(value), least) << "round " << round;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "culling/raster/depth_cells.h"
+#include "culling/raster/object_rows.h"
 #include "culling/scene/scene_builder.h"
 #include "tests/scenes/shapes.h"
 
@@ -263,6 +264,18 @@ class CellAttack : public testing::Test {
     look.up = {0.1, 1.0, 0.2};
     look.yfov_rad = std::exp2(real(-20.5, -18.0));
     drawAndJudge(drawn, m, cameraFromLookAt(look, {320, 180}).value());
+  }
+
+  /// What outlineOf() asks for. `wanted` is 0 if no side surely turns to the eye.
+  struct Placed {
+    int wanted;
+    ObjectRows rows;
+  };
+  static Placed placedIn(const CellView& view, const Mesh& mesh,
+                         const std::array<double, 12>& world_from_mesh, const glm::dvec3& eye) {
+    const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
+    return {static_cast<int>(view.front_sign * handedness(world_from_mesh)),
+            objectRows(view, world_from_mesh, eye, largest)};
   }
 
   virtual void drawAndJudge(const Mesh& drawn, const std::array<double, 12>& m,

@@ -53,10 +53,8 @@ class OutlineAttack : public CellAttack {
 
   void draw(const Mesh& mesh, const std::array<double, 12>& world_from_mesh, const CellView& view,
             const glm::dvec3& eye, DepthCells& cells) override {
-    const int wanted = static_cast<int>(view.front_sign * handedness(world_from_mesh));
+    const auto [wanted, rows] = placedIn(view, mesh, world_from_mesh, eye);
     if (wanted == 0) return;
-    const glm::dvec3 largest = glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max));
-    const ObjectRows rows = objectRows(view, world_from_mesh, eye, largest);
     const ConvexPieces found = ConvexPieces::of(mesh);
     const Piece own(mesh);
     const bool as_found = found.size() == 1 && chance(2);
