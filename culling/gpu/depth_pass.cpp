@@ -47,8 +47,15 @@ PyramidLayout pyramidLayout(const CellGrid& grid) noexcept {
   }
 }
 
-DepthPass::DepthPass(const GlTable& gl)
-    : gl_(gl), ready_(Done{}), heads_(gl), lines_(gl), pyramid_(gl), queries_(gl), hidden_(gl) {
+DepthPass::DepthPass(const GlTable& gl, std::size_t contexts)
+    : gl_(gl),
+      most_resident_bytes_(kResidentBytes / contexts),
+      ready_(Done{}),
+      heads_(gl),
+      lines_(gl),
+      pyramid_(gl),
+      queries_(gl),
+      hidden_(gl) {
   const auto take = [this](Result<Program> made, Program& program) {
     if (made) {
       program = std::move(made).value();
@@ -72,6 +79,7 @@ void DepthPass::begin(const CellGrid& grid) {
   grid_ = grid;
   layout_ = pyramidLayout(grid);
   pyramid_.reserve(std::size_t{layout_.words} * sizeof(std::uint32_t));
+  gl_.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);  // after what shaders wrote for the last frame
   pyramid_.fill(std::size_t{layout_.width[0]} * layout_.height[0], 0);
   // Nothing is attached: fragments write into the array.
   gl_.NamedFramebufferParameteri(framebuffer_, GL_FRAMEBUFFER_DEFAULT_WIDTH,
@@ -157,7 +165,7 @@ const Buffer& DepthPass::resident(const GroupSource& source) {
     return found->groups;
   }
   const std::size_t bytes = source.count * sizeof(BoxGroup);
-  while (!scenes_.empty() && residentBytes() + bytes > kResidentBytes) scenes_.pop_back();
+  while (!scenes_.empty() && residentBytes() + bytes > most_resident_bytes_) scenes_.pop_back();
   std::vector<BoxGroup> groups;
   groups.reserve(source.count);
   source.fill(groups);

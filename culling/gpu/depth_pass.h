@@ -20,12 +20,12 @@ namespace culld::gpu {
 /// [x << k, (x + 1) << k) x [y << k, (y + 1) << k): padded to powers of two, so that every texel
 /// has exactly the four below it, and no cell is missed at any size of the grid.
 struct PyramidLayout {
-  static constexpr std::uint32_t kMostLevels = 16;
+  static constexpr std::uint32_t kMostLevels = 13;
   std::uint32_t levels = 0;
   std::array<std::uint32_t, kMostLevels> first, width, height;  ///< of each level, in words
   std::uint32_t words = 0;
 };
-/// REQUIRES: sides of at most 2^15 cells.
+/// REQUIRES: sides of at most DepthPass::kMostSide cells.
 PyramidLayout pyramidLayout(const CellGrid& grid) noexcept;
 
 /// Eight boxes around one origin, the unit in which scenes are uploaded: rows min x, y, z, max x,
@@ -51,7 +51,8 @@ struct GroupSource {
 /// THREADS: as the context. Results count only if Lease::check() says so afterwards.
 class DepthPass final : public ContextData {
  public:
-  explicit DepthPass(const GlTable& gl);
+  /// `contexts`: how many have a pass.
+  DepthPass(const GlTable& gl, std::size_t contexts);
   ~DepthPass() override;
   DepthPass(const DepthPass&) = delete;
   DepthPass& operator=(const DepthPass&) = delete;
@@ -76,9 +77,10 @@ class DepthPass final : public ContextData {
   /// The pyramid, for tests.
   void readPyramid(std::vector<float>& out) const;
 
-  static constexpr std::uint32_t kMostSide = 8192;
+  static constexpr std::uint32_t kMostSide = 1U << (PyramidLayout::kMostLevels - 1);
   static constexpr std::size_t kQueriesPerWord = 4;
-  /// Of scenes kept in one context; the one in use is kept whatever its size.
+  /// Of scenes kept in all contexts, each of which may keep its share; the one in use is kept
+  /// whatever its size.
   static constexpr std::size_t kResidentBytes = std::size_t{256} << 20U;
 
   std::size_t residentBytes() const noexcept;
@@ -92,6 +94,7 @@ class DepthPass final : public ContextData {
   const Buffer& resident(const GroupSource& source);
 
   const GlTable& gl_;
+  std::size_t most_resident_bytes_;
   Result<void> ready_;
   Program drawing_, reducing_, testing_;
   Buffer heads_, lines_, pyramid_, queries_, hidden_;

@@ -17,7 +17,6 @@ using GlProc = void (*)();
   X(BindBufferBase, void, (unsigned target, unsigned index, unsigned buffer)) \
   X(BindFramebuffer, void, (unsigned target, unsigned framebuffer)) \
   X(BindVertexArray, void, (unsigned array)) \
-  X(CheckNamedFramebufferStatus, unsigned, (unsigned framebuffer, unsigned target)) \
   X(ClearNamedBufferSubData, void, (unsigned buffer, unsigned internalformat, std::ptrdiff_t offset, std::ptrdiff_t size, unsigned format, unsigned type, const void* data)) \
   X(CompileShader, void, (unsigned shader)) \
   X(CreateBuffers, void, (int n, unsigned* buffers)) \
@@ -30,7 +29,6 @@ using GlProc = void (*)();
   X(DeleteProgram, void, (unsigned program)) \
   X(DeleteShader, void, (unsigned shader)) \
   X(DeleteVertexArrays, void, (int n, const unsigned* arrays)) \
-  X(Disable, void, (unsigned cap)) \
   X(DispatchCompute, void, (unsigned x, unsigned y, unsigned z)) \
   X(DrawArraysInstanced, void, (unsigned mode, int first, int count, int instances)) \
   X(GetError, unsigned, ()) \
@@ -49,7 +47,6 @@ using GlProc = void (*)();
   X(NamedFramebufferParameteri, void, (unsigned framebuffer, unsigned pname, int param)) \
   X(ProgramUniform1ui, void, (unsigned program, int location, unsigned x)) \
   X(ProgramUniform2f, void, (unsigned program, int location, float x, float y)) \
-  X(ProgramUniform2ui, void, (unsigned program, int location, unsigned x, unsigned y)) \
   X(ProgramUniform4fv, void, (unsigned program, int location, int count, const float* value)) \
   X(ProgramUniform4ui, void, (unsigned program, int location, unsigned x, unsigned y, unsigned z, unsigned w)) \
   X(ShaderSource, void, (unsigned shader, int count, const char* const* text, const int* lengths)) \

@@ -8,6 +8,7 @@
 
 #include "culling/box_answer.h"
 #include "culling/gpu/backend.h"
+#include "culling/gpu/unavailable.h"
 #include "culling/methods/gpu_depth_pyramid_frame.h"
 #include "culling/spatial/prepared_boxes.h"
 
@@ -71,11 +72,14 @@ class GpuDepthPyramidCuller final : public Culler, public HoldsBoxes {
   Result<void> onGpu(const Camera& camera, const Demand& demand, const Deadline& deadline,
                      ViewState& view, Answer& answer) const {
     gpu::Backend* backend = gpu::backend();
-    if (backend == nullptr) return Error{ErrorCode::kUnavailable, gpu::whyNoBackend()};
+    if (backend == nullptr) return gpu::unavailable(gpu::whyNoBackend());
     const WideBvh& bvh = boxes_.bvh();
     if (bvh.nodeCount() * sizeof(gpu::BoxGroup) > backend->mostBufferBytes()) {
-      return Error{ErrorCode::kUnavailable, "more boxes than a buffer of this GPU holds"};
+      return gpu::unavailable("more boxes than a buffer of this GPU holds");
     }
+    GpuDepthPyramidFrame frame(*boxes_.scene(), bvh, *occluders_, parts_, camera, deadline, demand,
+                               view.memory<GpuDepthPyramidMemory>());
+    if (!frame.fits(backend->mostBufferBytes())) return gpu::unavailable("the image is too large");
     auto lease = backend->acquire();
     if (!lease) return lease.error();
     const gpu::GroupSource source{key_, bvh.nodeCount(), [&bvh](std::vector<gpu::BoxGroup>& out) {
@@ -85,9 +89,7 @@ class GpuDepthPyramidCuller final : public Culler, public HoldsBoxes {
                                                   group.begin());
                                     }
                                   }};
-    return GpuDepthPyramidFrame(*boxes_.scene(), bvh, *occluders_, parts_, camera, deadline, demand,
-                                view.memory<GpuDepthPyramidMemory>())
-        .run(lease.value(), source, answer);
+    return frame.run(lease.value(), source, answer);
   }
 
   PreparedBoxes boxes_;

@@ -14,8 +14,7 @@ namespace {
 // the object and the camera alone, so that answers do not depend on what was drawn first.
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
 
-constexpr std::uint32_t kStepsPerLook = 16;      ///< between two looks at the clock
-constexpr std::size_t kOutlinesPerDraw = 16384;  ///< bounds what is uploaded at once
+constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
 
 // Nanoseconds of counted work: rough, and of the CPU's part.
 constexpr std::uint64_t kFrameNs = 200'000, kNodeNs = 150, kPieceNs = 1200;
@@ -56,12 +55,19 @@ GpuDepthPyramidFrame::GpuDepthPyramidFrame(const SceneSnapshot& scene, const Wid
       // Answers limited by work must not hang on what was drawn first.
       coherent_(parts.coherence && camera.motion.still() && demand.work.count() == 0) {}
 
+bool GpuDepthPyramidFrame::fits(std::size_t most_buffer_bytes) const noexcept {
+  constexpr std::uint32_t kMost = gpu::DepthPass::kMostSide;
+  if (view_.grid.width > kMost || view_.grid.height > kMost) return false;
+  return gpu::pyramidLayout(view_.grid).words <= most_buffer_bytes / sizeof(std::uint32_t);
+}
+
 Result<void> GpuDepthPyramidFrame::run(gpu::ContextPool::Lease& gpu, const gpu::GroupSource& source,
                                        Answer& answer) {
-  if (view_.grid.width > gpu::DepthPass::kMostSide || view_.grid.height > gpu::DepthPass::kMostSide)
-    return Error{ErrorCode::kUnavailable, "the image is too large"};
   auto& pass = gpu.data<gpu::DepthPass>();
-  if (!pass.ready()) return pass.ready().error();
+  if (!pass.ready()) {  // another context may do better
+    gpu.drop(pass.ready().error().message);
+    return pass.ready().error();
+  }
   if (memory_.kept_in.size() < scene_.objectCount()) memory_.kept_in.resize(scene_.objectCount());
   collect(answer);
   if (!memory_.queries.empty() && !stopped_) {
@@ -92,6 +98,7 @@ std::chrono::nanoseconds GpuDepthPyramidFrame::work() const {
 void GpuDepthPyramidFrame::collect(Answer& answer) {
   memory_.queries.clear();
   memory_.lanes.clear();
+  memory_.batch.clear();  // of a frame that an exception ended
   std::vector<std::pair<std::uint32_t, PlaneMask>> stack;
   for (auto root = static_cast<std::uint32_t>(bvh_.rootCount()); root-- > 0;) {
     stack.emplace_back(root, frustum_.planes());
@@ -169,20 +176,16 @@ std::uint32_t GpuDepthPyramidFrame::drawOccluders(gpu::DepthPass& pass, const Wa
       if (!projected) projectBoxes(box_view_, originFrom(node, eye_world_), node.offsets, rects);
       projected = true;
       if (!worthDrawing(rects, lane, view_.grid)) continue;
-      drawObject(id);
+      drawObject(pass, id);
       ++count;
-      if (memory_.batch.heads.size() < kOutlinesPerDraw) continue;
-      pass.draw(memory_.batch);
-      memory_.batch.clear();
     }
   }
-  pass.draw(memory_.batch);
-  memory_.batch.clear();
+  flush(pass);
   stats_.occluders_drawn += count;
   return count;
 }
 
-void GpuDepthPyramidFrame::drawObject(ObjectId id) {
+void GpuDepthPyramidFrame::drawObject(gpu::DepthPass& pass, ObjectId id) {
   const Instance& instance = scene_.instance(id);
   const int wanted = static_cast<int>(view_.front_sign * handedness(instance.world_from_mesh));
   const std::size_t pieces = occluders_.pieceCount(instance.mesh);
@@ -198,7 +201,13 @@ void GpuDepthPyramidFrame::drawObject(ObjectId id) {
     if (verdict != OutlineVerdict::kDraw) continue;
     stats_.triangles_drawn += outline.triangles;
     memory_.batch.add(outline, view_.grid);
+    if (memory_.batch.full()) flush(pass);
   }
+}
+
+void GpuDepthPyramidFrame::flush(gpu::DepthPass& pass) {
+  pass.draw(memory_.batch);
+  memory_.batch.clear();
 }
 
 void GpuDepthPyramidFrame::testAll(gpu::DepthPass& pass, const gpu::GroupSource& source) {
@@ -217,6 +226,7 @@ void GpuDepthPyramidFrame::testTheRest(gpu::DepthPass& pass, const gpu::GroupSou
     memory_.left.push_back(query);
     memory_.left_of.push_back(static_cast<std::uint32_t>(q));
   }
+  if (memory_.left.empty()) return;
   pass.buildPyramid();
   pass.test(box_view_, source, memory_.left, parts_.refine, memory_.hidden_after);
   constexpr std::size_t kPerWord = gpu::DepthPass::kQueriesPerWord;

@@ -42,6 +42,8 @@ class GpuDepthPyramidFrame {
                        const Camera& camera, const Deadline& deadline, const Demand& demand,
                        GpuDepthPyramidMemory& memory);
 
+  /// False: the image has more cells than the GPU holds, and run() may not be called.
+  bool fits(std::size_t most_buffer_bytes) const noexcept;
   /// Appends the objects not proven hidden, in no particular order. `source`: the tree's nodes.
   /// ERROR: kUnavailable: the GPU failed, and the answer is not to be used.
   Result<void> run(gpu::ContextPool::Lease& gpu, const gpu::GroupSource& source, Answer& answer);
@@ -51,7 +53,8 @@ class GpuDepthPyramidFrame {
   void addQuery(std::uint32_t index, const WideNode& node, std::uint32_t objects);
   template <typename Wanted>
   std::uint32_t drawOccluders(gpu::DepthPass& pass, const Wanted& wanted);
-  void drawObject(ObjectId id);
+  void drawObject(gpu::DepthPass& pass, ObjectId id);
+  void flush(gpu::DepthPass& pass);
   void testAll(gpu::DepthPass& pass, const gpu::GroupSource& source);
   void testTheRest(gpu::DepthPass& pass, const gpu::GroupSource& source);
   void answerTheRest(Answer& answer);

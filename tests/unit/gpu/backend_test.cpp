@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <thread>
 #include <vector>
 
@@ -18,7 +17,7 @@ class ContextPoolTest : public WithBackend {};
 class SelfTest : public WithBackend {};
 
 struct Marks final : ContextData {
-  explicit Marks(const GlTable& gl) : buffer(gl) { ++made; }
+  Marks(const GlTable& gl, std::size_t) : buffer(gl) { ++made; }
   Buffer buffer;
   static inline std::atomic<int> made{0};
 };
@@ -30,7 +29,6 @@ TEST_F(BackendTest, SaysWhatItIs) {
 }
 
 TEST_F(ContextPoolTest, GivesTheSameContextAgain) {
-  ASSERT_TRUE(backend()->acquire().ok());
   const int before = Marks::made;
   for (int i = 0; i < 3; ++i) {
     auto lease = backend()->acquire();
@@ -66,26 +64,6 @@ TEST_F(ContextPoolTest, ServesMoreThreadsThanItHasContexts) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST_F(ContextPoolTest, ReplacesAContextThatWasLost) {
-  {
-    auto lease = backend()->acquire();
-    ASSERT_TRUE(lease.ok());
-    lease.value().data<Marks>();
-    Faults::reset = true;
-    const auto lost = lease.value().check();
-    ASSERT_FALSE(lost.ok());
-    EXPECT_EQ(lost.error().message, "the GPU was reset");
-    EXPECT_FALSE(lease.value().check().ok()) << "a lost context stays lost";
-  }
-  const int before = Marks::made;
-  for (int i = 0; i < 64 && Marks::made == before; ++i) {  // it is not among the idle ones
-    auto lease = backend()->acquire();
-    ASSERT_TRUE(lease.ok());
-    lease.value().data<Marks>();
-    EXPECT_TRUE(lease.value().check().ok());
-  }
-}
-
 TEST_F(ContextPoolTest, TellsWhenMemoryHasRunOut) {
   auto lease = backend()->acquire();
   ASSERT_TRUE(lease.ok());
@@ -93,28 +71,6 @@ TEST_F(ContextPoolTest, TellsWhenMemoryHasRunOut) {
   const auto failed = lease.value().check();
   ASSERT_FALSE(failed.ok());
   EXPECT_EQ(failed.error().message, "GL_OUT_OF_MEMORY");
-}
-
-class BrokenPlatform final : public Platform {
- public:
-  Result<std::unique_ptr<NativeContext>> createContext() override {
-    ++tried;
-    return Error{ErrorCode::kUnavailable, "eglCreateContext failed with 0x3003"};
-  }
-  GlProc (*finder() const)(const char*) override { return nullptr; }
-  int tried = 0;
-};
-
-TEST(ContextPool, AsksABrokenDriverLessAndLessOften) {
-  const auto broken = std::make_shared<BrokenPlatform>();
-  ContextPool pool(broken, 2);
-  for (int i = 0; i < 1000; ++i) {
-    const auto lease = pool.acquire();
-    ASSERT_FALSE(lease.ok());
-    EXPECT_EQ(lease.error().message, "eglCreateContext failed with 0x3003");
-  }
-  EXPECT_LT(broken->tried, 60);
-  EXPECT_GT(broken->tried, 5);
 }
 
 TEST_F(SelfTest, RefusesWrongArithmetic) {
@@ -132,6 +88,7 @@ TEST_F(SelfTest, RefusesWrongArithmetic) {
   const auto refused = testArithmetic(wrong);
   ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().message, "its shaders do not round as IEEE 754 does");
+  EXPECT_TRUE(lease.value().check().ok());
 }
 
 TEST_F(SelfTest, RefusesAGpuThatDrawsOrAsksOtherwise) {
@@ -142,7 +99,7 @@ TEST_F(SelfTest, RefusesAGpuThatDrawsOrAsksOtherwise) {
   dispatch = lease.value().gl().DispatchCompute;
   GlTable lazy = lease.value().gl();
   lazy.DrawArraysInstanced = [](unsigned, int, int, int) {};
-  DepthPass draws_nothing(lazy);
+  DepthPass draws_nothing(lazy, 1);
   const auto drawn = testDepthPass(draws_nothing);
   ASSERT_FALSE(drawn.ok());
   EXPECT_EQ(drawn.error().message, "it draws other depths than the CPU");
@@ -153,10 +110,11 @@ TEST_F(SelfTest, RefusesAGpuThatDrawsOrAsksOtherwise) {
     constexpr int kLevels = 7;  // of the pyramid; then the boxes
     if (++dispatched <= kLevels) dispatch(x, y, z);
   };
-  DepthPass asks_nothing(lazy);
+  DepthPass asks_nothing(lazy, 1);
   const auto asked = testDepthPass(asks_nothing);
   ASSERT_FALSE(asked.ok());
   EXPECT_EQ(asked.error().message, "it hides other boxes than the CPU");
+  EXPECT_TRUE(lease.value().check().ok());
 }
 
 TEST_F(SelfTest, QuotesTheCompiler) {
@@ -165,6 +123,7 @@ TEST_F(SelfTest, QuotesTheCompiler) {
   const auto program = Program::compute(lease.value().gl(), "#version 450 core\nno shader\n");
   ASSERT_FALSE(program.ok());
   EXPECT_EQ(program.error().message.find("a shader does not compile: "), 0U);
+  EXPECT_TRUE(lease.value().check().ok());
 }
 
 }  // namespace

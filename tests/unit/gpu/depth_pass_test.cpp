@@ -193,10 +193,99 @@ TEST_F(DepthPassTest, KeepsWhatIsNotFinite) {
   EXPECT_EQ(hidden[0], 0b1000'0001U);
 }
 
-TEST_F(DepthPassTest, UploadsASceneOnceAndForgetsTheLongestUnused) {
+/// Everything inside, near.
+ConvexOutline coveringAll(const CellRect& cells) {
+  ConvexOutline all;
+  all.side_count = 1;
+  all.sides[0] = {1.0, 0.0, 1000.0, 0.0};
+  all.depth_floor = 0.5F;
+  all.cells = cells;
+  return all;
+}
+
+TEST_F(DepthPassTest, LinesOfZerosCoverNothing) {
+  const CellGrid grid = gridOf(64, 64);
+  OutlineBatch batch;
+  batch.add(coveringAll({0, 63, 0, 63}), grid);
+  batch.lines[0] = {};
   auto lease = backend()->acquire();
   ASSERT_TRUE(lease.ok());
   auto& pass = lease.value().data<DepthPass>();
+  DepthReference reference;
+  reference.begin(grid);
+  reference.draw(batch);
+  pass.begin(grid);
+  pass.draw(batch);
+  std::vector<float> cells;
+  pass.readPyramid(cells);
+  ASSERT_TRUE(lease.value().check().ok());
+  for (std::size_t i = 0; i < 64U * 64U; ++i) {
+    ASSERT_EQ(cells[i], 0.0F) << i;
+    ASSERT_EQ(reference.pyramid()[i], 0.0F) << i;
+  }
+}
+
+TEST_F(DepthPassTest, FragmentsOutsideTheRectangleCoverNothing) {
+  const CellGrid grid = gridOf(64, 64);
+  OutlineBatch batch;
+  batch.add(coveringAll({8, 23, 4, 23}), grid);
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  GlTable wrong = lease.value().gl();
+  wrong.Viewport = [](int x, int y, int width, int height) {
+    realTable().Viewport(x, y, width + width / 2, height + height / 2);
+  };
+  std::vector<float> cells;
+  {
+    DepthPass pass(wrong, 1);  // the rectangle becomes [12, 36) x [6, 36)
+    pass.begin(grid);
+    pass.draw(batch);
+    pass.readPyramid(cells);
+  }
+  ASSERT_TRUE(lease.value().check().ok());
+  std::size_t covered = 0;
+  for (std::uint32_t y = 0; y < 64; ++y) {
+    for (std::uint32_t x = 0; x < 64; ++x) {
+      if (!(cells[y * 64 + x] > 0.0F)) continue;
+      ++covered;
+      ASSERT_TRUE(x >= 8 && x < 24 && y >= 4 && y < 24) << x << ", " << y;
+    }
+  }
+  EXPECT_GT(covered, 0U);
+}
+
+TEST_F(DepthPassTest, ClearsAfterWhatTheLastFrameWrote) {
+  static bool written = false, cleared_too_soon = false;
+  written = cleared_too_soon = false;
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  GlTable watched = lease.value().gl();
+  watched.DrawArraysInstanced = [](unsigned, int, int, int) { written = true; };
+  watched.MemoryBarrier = [](unsigned barriers) {
+    constexpr unsigned kBufferUpdate = 0x200;
+    if ((barriers & kBufferUpdate) != 0) written = false;
+    realTable().MemoryBarrier(barriers);
+  };
+  watched.ClearNamedBufferSubData = [](unsigned, unsigned, std::ptrdiff_t, std::ptrdiff_t, unsigned,
+                                       unsigned, const void*) { cleared_too_soon |= written; };
+  OutlineBatch batch;
+  batch.add(coveringAll({0, 15, 0, 15}), gridOf(16, 16));
+  {
+    DepthPass pass(watched, 1);
+    for (int frame = 0; frame < 2; ++frame) {
+      pass.begin(gridOf(16, 16));
+      pass.draw(batch);
+    }
+  }
+  EXPECT_TRUE(lease.value().check().ok());
+  EXPECT_FALSE(cleared_too_soon);
+}
+
+TEST_F(DepthPassTest, UploadsASceneOnceAndForgetsTheLongestUnused) {
+  constexpr std::size_t kContexts = 64;
+  auto lease = backend()->acquire();
+  ASSERT_TRUE(lease.ok());
+  DepthPass pass(lease.value().gl(), kContexts);
   pass.begin(gridOf(16, 16));
   pass.buildPyramid();
   const GroupQuery query{0, 1, {0.0F, 0.0F, 0.0F}, 0};
@@ -212,10 +301,11 @@ TEST_F(DepthPassTest, UploadsASceneOnceAndForgetsTheLongestUnused) {
   ask(502, 10);
   ask(501, 10);
   EXPECT_EQ(pass.uploads(), before + 2);
-  const std::size_t large = DepthPass::kResidentBytes / sizeof(BoxGroup) / 2;
+  const std::size_t share = DepthPass::kResidentBytes / kContexts;
+  const std::size_t large = share / sizeof(BoxGroup) / 2;
   ask(503, large);
   ask(504, large);
-  EXPECT_LE(pass.residentBytes(), DepthPass::kResidentBytes + 2 * sizeof(BoxGroup));
+  EXPECT_LE(pass.residentBytes(), share + 2 * sizeof(BoxGroup));
   ask(501, 10);  // it had to go
   EXPECT_EQ(pass.uploads(), before + 5);
   EXPECT_TRUE(lease.value().check().ok());

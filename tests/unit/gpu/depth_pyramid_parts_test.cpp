@@ -1,12 +1,15 @@
 // The parts of `gpu-depth-pyramid`, each shown to bring something by counts.
 #include <gtest/gtest.h>
 
+#include <new>
 #include <vector>
 
 #include "culling/culler.h"
 #include "culling/gpu/depth_pass.h"
+#include "culling/scene/scene_builder.h"
 #include "tests/scenes/city.h"
 #include "tests/scenes/random_scene.h"
+#include "tests/scenes/shapes.h"
 #include "tests/unit/gpu/opened_backend.h"
 
 namespace culld {
@@ -91,7 +94,10 @@ TEST_F(GpuDepthPyramid, UploadsNothingAgainWhileTheSceneStays) {
   const SnapshotPtr scene = scenes::toSnapshot(city().model);
   const Culler& flown = culler("", scene);
   const auto uploads = [] {
-    return gpu::backend()->acquire().value().data<gpu::DepthPass>().uploads();
+    auto lease = gpu::backend()->acquire();
+    const std::uint64_t made = lease.value().data<gpu::DepthPass>().uploads();
+    EXPECT_TRUE(lease.value().check().ok());
+    return made;
   };
   ViewState view;
   const Camera camera = scenes::toCamera(city().cameras[0]).value();
@@ -99,6 +105,59 @@ TEST_F(GpuDepthPyramid, UploadsNothingAgainWhileTheSceneStays) {
   const std::uint64_t before = uploads();
   for (int i = 0; i < 3; ++i) flown.cull(camera, {}, view);
   EXPECT_EQ(uploads(), before);
+}
+
+TEST_F(GpuDepthPyramid, AFrameThatBrokeOffLeavesNothingToTheNext) {
+  const SnapshotPtr scene = scenes::toSnapshot(city().model);
+  const Culler& flown = culler("", scene);
+  const Camera first = scenes::toCamera(city().cameras.front()).value();
+  const Camera next = scenes::toCamera(city().cameras.back()).value();
+  ViewState view, fresh;
+  gpu::Faults::exception = true;
+  EXPECT_THROW(flown.cull(first, {}, view), std::bad_alloc);
+  EXPECT_EQ(flown.cull(next, {}, view).visible, flown.cull(next, {}, fresh).visible);
+}
+
+SnapshotPtr alone(const scenes::Triangles& shape, double size) {
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({{shape.positions, shape.indices, true, false}}));
+  builder.addInstance(mesh, {size, 0, 0, 0, 0, size, 0, 0, 0, 0, size, 0}, 0);
+  return builder.finish();
+}
+
+TEST_F(GpuDepthPyramid, DrawsAMeshOfManyPiecesInParts) {
+  constexpr int kAcross = 160, kPieces = kAcross * kAcross;
+  scenes::Triangles wall;
+  for (int i = 0; i < kPieces; ++i) {
+    const glm::vec3 low(i % kAcross, i / kAcross, 0);
+    const auto first = static_cast<std::uint32_t>(wall.positions.size());
+    const scenes::Triangles box = scenes::box(low, low + glm::vec3(0.9F));
+    wall.positions.insert(wall.positions.end(), box.positions.begin(), box.positions.end());
+    for (const std::uint32_t index : box.indices) wall.indices.push_back(first + index);
+  }
+  const SnapshotPtr scene = alone(wall, 1.0);
+  LookAt look;
+  look.target = {0.5 * kAcross, 0.5 * kAcross, 0.0};
+  look.eye = look.target + glm::dvec3(0.0, 0.0, 1.2 * kAcross);
+  const Camera camera = cameraFromLookAt(look, {}).value();
+  ViewState view;
+  gpu::Seen::most_outlines_drawn = 0;
+  EXPECT_EQ(culler("", scene).cull(camera, {}, view).note, "");
+  EXPECT_EQ(gpu::Seen::most_outlines_drawn, static_cast<int>(gpu::OutlineBatch::kMostHeads));
+}
+
+TEST_F(GpuDepthPyramid, AsksNothingWhereNoBoxIsLeftToAsk) {
+  const SnapshotPtr wall = alone(scenes::box(glm::vec3(-1, -1, -2), glm::vec3(1, 1, -1)), 1e19);
+  LookAt look;
+  look.zfar_m = 1e20;
+  const Camera camera = cameraFromLookAt(look, {}).value();
+  ViewState view;
+  gpu::Seen::dispatches = 0;
+  const Answer answer = culler("", wall).cull(camera, {}, view);
+  EXPECT_EQ(answer.note, "");
+  EXPECT_EQ(answer.visible, std::vector<ObjectId>{0});
+  EXPECT_EQ(answer.stats.occluders_drawn, 1U);
+  EXPECT_EQ(gpu::Seen::dispatches, 0);
 }
 
 }  // namespace
