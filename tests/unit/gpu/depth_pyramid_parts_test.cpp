@@ -28,12 +28,14 @@ class GpuDepthPyramid : public gpu::WithBackend {
     return *kept_.back();
   }
 
+  /// With small images: a software renderer draws.
   Sums fly(const std::string& settings, const SnapshotPtr& scene,
            const std::vector<scenes::CameraSpec>& cameras) {
     const Culler& flown = culler(settings, scene);
     ViewState view;
     Sums sums;
-    for (const scenes::CameraSpec& spec : cameras) {
+    for (scenes::CameraSpec spec : cameras) {
+      spec.image = {320, 180};
       const Answer answer = flown.cull(scenes::toCamera(spec).value(), {}, view);
       EXPECT_EQ(answer.note, "");
       sums.answered += answer.visible.size();
