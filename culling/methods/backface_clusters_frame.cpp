@@ -5,7 +5,8 @@
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
+constexpr std::uint64_t kMostRegions = 4096;    ///< asked of an object at most: some 50 us
+constexpr std::uint64_t kRegionsPerLook = 256;  ///< asked without a look at the clock
 
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kEyeNs = 40, kRegionNs = 12;
@@ -24,7 +25,7 @@ BackfaceClustersFrame::BackfaceClustersFrame(const BackfaceClustersScene& scene,
     : scene_(scene),
       options_(options),
       deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       view_(cellView(camera, gridFor(camera))),
       walk_(camera, scene.bvh, view_),
@@ -35,17 +36,8 @@ BackfaceClustersFrame::BackfaceClustersFrame(const BackfaceClustersScene& scene,
   memory_.occluders.clear();
 }
 
-/// False once time or work is used up; asks the clock every few items.
-bool BackfaceClustersFrame::mayGoOn() {
-  if (stopped_ || to_look_-- != 0) return !stopped_;
-  to_look_ = kItemsPerLook - 1;
-  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
-  return !stopped_;
-}
-
-std::chrono::nanoseconds BackfaceClustersFrame::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
-                                  kEyeNs * eyes_ + kRegionNs * regions_);
+std::uint64_t BackfaceClustersFrame::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kEyeNs * eyes_ + kRegionNs * regions_;
 }
 
 /// What blocks and is large enough on the image to fill a cell.
@@ -101,18 +93,21 @@ void BackfaceClustersFrame::draw(const ImageItem& item) {
       drawSheet(object, view_, eye_.origin_world, deadline_, memory_.sheets, memory_.cells);
   ++stats_.occluders_drawn;
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += drawn.work_ns;
-  stopped_ = stopped_ || drawn.cut_short;
+  budget_.drew(drawn);
 }
 
 /// Can no eye of the motion bound see any of the object?
 bool BackfaceClustersFrame::turnedAway(ObjectId id) {
   const Instance& instance = scene_.scene.instance(id);
   const FacingClusters& clusters = scene_.clusters[instance.mesh];
-  if (!clusters.oneSided()) return false;
+  if (!clusters.oneSided() || !mayGoOn()) return false;
   ++eyes_;
   const std::optional<MeshEye> eye = meshEye(instance.world_from_mesh, eye_);
-  return eye && clusters.turnedAway(*eye, options_.hierarchy, regions_);
+  if (!eye) return false;
+  const std::uint64_t before = regions_;
+  const bool away = clusters.turnedAway(*eye, options_.hierarchy, kMostRegions, regions_);
+  if (regions_ - before > kRegionsPerLook) budget_.lookNext();
+  return away;
 }
 
 bool BackfaceClustersFrame::hidden(const ImageItem& item) {
@@ -125,10 +120,10 @@ void BackfaceClustersFrame::run(Answer& answer) {
   walk_.appendUnhidden(
       memory_.stack, [this] { return mayGoOn(); },
       [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_, answer.visible);
-  answer.out_of_budget = stopped_;
-  if (!stopped_) stats_.in_frustum = in_frustum_;
+  answer.out_of_budget = budget_.stopped();
+  if (!budget_.stopped()) stats_.in_frustum = in_frustum_;
   stats_.plane_tests = regions_;
-  stats_.work = work();
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
 }
 

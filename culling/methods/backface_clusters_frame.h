@@ -14,6 +14,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/raster/sheet.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -54,8 +55,8 @@ class BackfaceClustersFrame {
   void run(Answer& answer);
 
  private:
-  bool mayGoOn();
-  std::chrono::nanoseconds work() const;
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
+  std::uint64_t countedNs() const;  ///< work beside drawing
   void gatherOccluders();
   void drawOccluders();
   void draw(const ImageItem& item);
@@ -65,7 +66,7 @@ class BackfaceClustersFrame {
   const BackfaceClustersScene& scene_;
   const BackfaceClustersOptions& options_;
   const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   BackfaceClustersMemory& memory_;
   CellView view_;
   ImageWalk walk_;
@@ -74,10 +75,7 @@ class BackfaceClustersFrame {
   CullStats stats_;
   std::uint64_t regions_ = 0;  ///< of clusters, held against an eye
   std::uint32_t in_frustum_ = 0;
-  std::uint64_t drawing_ns_ = 0;
-  std::uint64_t eyes_ = 0;     ///< moved into meshes
-  std::uint32_t to_look_ = 0;  ///< items before the next look at the clock
-  bool stopped_ = false;
+  std::uint64_t eyes_ = 0;  ///< moved into meshes
 };
 
 }  // namespace culld

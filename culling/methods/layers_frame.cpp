@@ -7,8 +7,6 @@
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
-
 // Nanoseconds of counted work, as in the other methods that draw (docs/planner.md).
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kCellNs = 400;
 
@@ -20,8 +18,7 @@ LayersFrame::LayersFrame(const LayersScene& scene, const LayersOptions& options,
     : scene_(scene),
       options_(options),
       camera_(camera),
-      deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       view_(cellView(camera, gridFor(camera))),
       walk_(camera, scene.bvh, view_),
@@ -35,17 +32,8 @@ LayersFrame::LayersFrame(const LayersScene& scene, const LayersOptions& options,
   memory_.stack.clear();
 }
 
-/// False once time or work is used up; asks the clock every few items.
-bool LayersFrame::mayGoOn() {
-  if (stopped_ || to_look_-- != 0) return !stopped_;
-  to_look_ = kItemsPerLook - 1;
-  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
-  return !stopped_;
-}
-
-std::chrono::nanoseconds LayersFrame::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
-                                  kCellNs * cells_projected_);
+std::uint64_t LayersFrame::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kCellNs * cells_projected_;
 }
 
 /// Those that have not been projected yet, and are there with a bound.
@@ -99,11 +87,10 @@ void LayersFrame::drawObject(const ImageItem& item) {
   if (mesh.polygons() > polygons_left_ || !worthDrawing(item.rect, mesh) || hidden(item)) return;
   polygons_left_ -= mesh.polygons();
   const DrawnOccluder drawn =
-      drawing_.draw(instance, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
+      drawing_.draw(instance, item.nearest, budget_.leftNs(countedNs()), memory_.cells);
   ++stats_.occluders_drawn;
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += drawn.work_ns;
-  stopped_ = stopped_ || drawn.cut_short;
+  budget_.drew(drawn);
 }
 
 void LayersFrame::draw(std::span<const ObjectId> ids) {
@@ -126,20 +113,20 @@ void LayersFrame::drawAll() {
 
 void LayersFrame::run(Answer& answer) {
   if (accepted_px_ > 0.0) projectAll(answer);
-  if (accepted_px_ == 0.0 || stopped_) {  // all of it; once time is up, whatever it is
+  if (accepted_px_ == 0.0 || budget_.stopped()) {  // all of it; once time is up, whatever it is
     answer.visible.clear();
     answer.guarantee = Guarantee::kConservative;
     answer.proven = true;
     answer.missed_px = 0.0F;
-    if (!stopped_) drawAll();
+    if (!budget_.stopped()) drawAll();
     walk_.appendUnhidden(
         memory_.stack, [this] { return mayGoOn(); },
         [this](const ImageItem& item) { return hidden(item); }, stats_, in_frustum_,
         answer.visible);
-    if (!stopped_) stats_.in_frustum = in_frustum_;
+    if (!budget_.stopped()) stats_.in_frustum = in_frustum_;
   }
-  answer.out_of_budget = stopped_;
-  stats_.work = work();
+  answer.out_of_budget = budget_.stopped();
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
 }
 

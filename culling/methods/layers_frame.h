@@ -12,6 +12,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/spatial/wide_bvh.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -60,14 +61,13 @@ class LayersFrame {
   bool hidden(const ImageItem& item) {
     return memory_.cells.certainlyHidden(item.rect, item.nearest);
   }
-  bool mayGoOn();
-  std::chrono::nanoseconds work() const;
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
+  std::uint64_t countedNs() const;  ///< work beside drawing
 
   const LayersScene& scene_;
   const LayersOptions& options_;
   const Camera& camera_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   LayersMemory& memory_;
   CellView view_;
   ImageWalk walk_;
@@ -78,10 +78,7 @@ class LayersFrame {
   std::uint64_t triangles_answered_ = 0;
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;
-  std::uint64_t drawing_ns_ = 0;
   std::uint64_t cells_projected_ = 0;
-  std::uint32_t to_look_ = 0;  ///< items before the next look at the clock
-  bool stopped_ = false;
 };
 
 }  // namespace culld

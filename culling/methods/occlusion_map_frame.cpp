@@ -12,8 +12,6 @@
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
-
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
 
@@ -34,8 +32,7 @@ OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,
                                      OcclusionMapMemory& memory)
     : scene_(scene),
       options_(options),
-      deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       view_(cellView(camera, gridFor(camera))),
       origin_world_(camera.origin_world),
@@ -52,17 +49,9 @@ OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,
   memory_.stack.clear();
 }
 
-/// False once time or work is used up; asks the clock every few items.
-bool OcclusionMapFrame::mayGoOn() {
-  if (stopped_ || to_look_-- != 0) return !stopped_;
-  to_look_ = kItemsPerLook - 1;
-  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
-  return !stopped_;
-}
-
-std::chrono::nanoseconds OcclusionMapFrame::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_ +
-                                  kTexelNs * texels_);
+std::uint64_t OcclusionMapFrame::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kTexelNs * texels_ +
+         kBlockNs * view_.grid.blocks();
 }
 
 /// Largest on the image first: a node is opened only while something below it may be as large as
@@ -111,11 +100,10 @@ void OcclusionMapFrame::drawOccluders() {
     if (memory_.cells.certainlyHidden(item.rect, item.nearest)) continue;
     const Instance& instance = scene_.scene.instance(item.ref.objectId());
     const DrawnOccluder drawn =
-        drawing_.draw(instance, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
+        drawing_.draw(instance, item.nearest, budget_.leftNs(countedNs()), memory_.cells);
     ++stats_.occluders_drawn;
     stats_.triangles_drawn += drawn.triangles;
-    drawing_ns_ += drawn.work_ns;
-    stopped_ = stopped_ || drawn.cut_short;
+    budget_.drew(drawn);
     if (!options_.depth_of_cells) memory_.depth.add(item.rect, farthestOf(instance));
   }
 }
@@ -149,7 +137,6 @@ void OcclusionMapFrame::run(Answer& answer) {
   drawOccluders();
   memory_.map.build(memory_.cells, options_.levels);
   if (options_.depth_of_cells) memory_.depth.addCells(memory_.cells);
-  drawing_ns_ += kBlockNs * view_.grid.blocks();
   memory_.ledger.reset(memory_.map, image_px_, accepted_px_);
   walk_.appendUnhidden(
       memory_.stack, [this] { return mayGoOn(); },
@@ -158,9 +145,9 @@ void OcclusionMapFrame::run(Answer& answer) {
     answer.guarantee = Guarantee::kApproximate;
     answer.missed_px = floatUp(memory_.ledger.lostPx());
   }
-  answer.out_of_budget = stopped_;
-  if (!stopped_) stats_.in_frustum = in_frustum_;
-  stats_.work = work();
+  answer.out_of_budget = budget_.stopped();
+  if (!budget_.stopped()) stats_.in_frustum = in_frustum_;
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
 }
 

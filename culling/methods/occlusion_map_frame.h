@@ -14,6 +14,7 @@
 #include "culling/raster/hole_ledger.h"
 #include "culling/raster/occlusion_map.h"
 #include "culling/spatial/wide_bvh.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -68,13 +69,12 @@ class OcclusionMapFrame {
   float farthestOf(const Instance& instance) const;
   bool hidden(const ImageItem& item);
   std::uint32_t holeFor(const ImageItem& item) const;
-  bool mayGoOn();
-  std::chrono::nanoseconds work() const;
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
+  std::uint64_t countedNs() const;  ///< work beside drawing
 
   const OcclusionMapScene& scene_;
   const OcclusionMapOptions& options_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   OcclusionMapMemory& memory_;
   CellView view_;
   glm::dvec3 origin_world_;
@@ -86,10 +86,7 @@ class OcclusionMapFrame {
   std::uint32_t polygons_left_;
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;
-  std::uint64_t drawing_ns_ = 0;
-  std::uint64_t texels_ = 0;   ///< looked at
-  std::uint32_t to_look_ = 0;  ///< items before the next look at the clock
-  bool stopped_ = false;
+  std::uint64_t texels_ = 0;  ///< looked at
 };
 
 }  // namespace culld

@@ -14,8 +14,7 @@ namespace culld {
 namespace {
 
 // Choices of what to tile: they cost or save time and never change what an answer promises.
-constexpr std::uint32_t kMostTilings = 4;    ///< of one object, as more of it is passed
-constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
+constexpr std::uint32_t kMostTilings = 4;  ///< of one object, as more of it is passed
 
 // Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kMaskNs = 6;
@@ -90,8 +89,7 @@ PolygonTilingWalk::PolygonTilingWalk(const PolygonTilingScene& scene, const Occl
     : scene_(scene),
       occluders_(occluders),
       levels_(levels),
-      deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       side_(viewSide(camera)),
       frustum_(camera, scene.octree().bounds()),
@@ -111,16 +109,8 @@ void PolygonTilingWalk::beginFrame() {
   memory_.tilings.clear();
 }
 
-std::chrono::nanoseconds PolygonTilingWalk::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited +
-                                  kMaskNs * memory_.coverage.masksCompared() + drawing_ns_);
-}
-
-bool PolygonTilingWalk::mayGoOn() {
-  if (stopped_) return false;
-  if (looks_++ % kStepsPerLook == 0) stopped_ = deadline_.passed();
-  if (most_work_.count() != 0 && work() >= most_work_) stopped_ = true;
-  return !stopped_;
+std::uint64_t PolygonTilingWalk::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kMaskNs * memory_.coverage.masksCompared();
 }
 
 void PolygonTilingWalk::run(Answer& answer) {
@@ -129,9 +119,9 @@ void PolygonTilingWalk::run(Answer& answer) {
   Ids met;
   if (!scene_.octree().empty()) takeNode(Octree::kRoot, everywhere(), frustum_.planes(), met);
   stats_.depth_comparisons = memory_.coverage.masksCompared();
-  stats_.work = work();
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
-  answer.out_of_budget = stopped_;
+  answer.out_of_budget = budget_.stopped();
 }
 
 void PolygonTilingWalk::keep(ObjectId id) {
@@ -288,7 +278,7 @@ void PolygonTilingWalk::tileAfterOctant(const Box& region, const glm::dvec3& cen
 /// Covers the cells in which the object surely hides what is behind it, but for those where that
 /// may be a part which is still to come.
 void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
-  if (stopped_) return;
+  if (budget_.stopped()) return;
   const auto tilings = memory_.tilings.try_emplace(id, 0U).first;
   if (tilings->second == kMostTilings) return;
   const Instance& instance = scene_.snapshot().instance(id);
@@ -315,14 +305,11 @@ void PolygonTilingWalk::tile(ObjectId id, std::span<const Box> to_come) {
   if (kMostTilings * left_out > (kMostTilings - 1 - tilings->second) * rect.cells()) return;
   ++tilings->second;
   ++stats_.occluders_drawn;
-  std::uint64_t left_ns = OccluderDrawing::kNoLimit;
-  if (most_work_.count() != 0)
-    left_ns = static_cast<std::uint64_t>(std::max((most_work_ - work()).count(), std::int64_t{0}));
   memory_.cells.reset(view_.grid);
-  const DrawnOccluder drawn = drawing_.draw(instance, nearest, left_ns, memory_.cells);
+  const DrawnOccluder drawn =
+      drawing_.draw(instance, nearest, budget_.leftNs(countedNs()), memory_.cells);
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += drawn.work_ns;
-  stopped_ = stopped_ || drawn.cut_short;
+  budget_.drew(drawn);
   memory_.coverage.update(memory_.cells, rect, memory_.except);
 }
 

@@ -16,6 +16,7 @@
 #include "culling/raster/coverage_pyramid.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/spatial/frustum_test.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -58,7 +59,7 @@ class PolygonTilingWalk {
  private:
   using Ids = std::vector<ObjectId>;  ///< occluders met, of which parts are still to come
 
-  bool mayGoOn();
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
   void beginFrame();
   void takeNode(std::uint32_t node, const Box& region, PlaneMask planes, Ids& met);
   void takeTree(const BspTree& tree, std::uint32_t index, const Box& region, PlaneMask planes,
@@ -72,13 +73,12 @@ class PolygonTilingWalk {
   bool cellsOf(const Box& box, CellRect& rect, float& nearest) const;
   bool covered(const CellRect& rect, float nearest);
   void keep(ObjectId id);
-  std::chrono::nanoseconds work() const;
+  std::uint64_t countedNs() const;  ///< work beside drawing
 
   const PolygonTilingScene& scene_;
   const OccluderSet& occluders_;
   std::uint32_t levels_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   PolygonTilingMemory& memory_;
   ViewSide side_;
   FrustumTest frustum_;
@@ -86,9 +86,6 @@ class PolygonTilingWalk {
   BoxView box_view_;
   glm::dvec3 eye_world_;
   OccluderDrawing drawing_;
-  bool stopped_ = false;  ///< time or work is used up: everything undecided is kept
-  std::uint32_t looks_ = 0;
-  std::uint64_t drawing_ns_ = 0;
   Answer* answer_ = nullptr;
   CullStats stats_;
 };

@@ -5,8 +5,6 @@
 namespace culld {
 namespace {
 
-constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
-
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150;
 
@@ -26,8 +24,7 @@ PortalsFrame::PortalsFrame(const WideBvh& bvh, const SolidOccluders& solids,
                            const Demand& demand, PortalsMemory& memory)
     : solids_(solids),
       most_boxes_(most_boxes),
-      deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       view_(cellView(camera, gridFor(camera))),
       walk_(camera, bvh, view_),
@@ -40,17 +37,7 @@ PortalsFrame::PortalsFrame(const WideBvh& bvh, const SolidOccluders& solids,
   memory_.stack.clear();
 }
 
-/// False once time or work is used up; asks the clock every few items.
-bool PortalsFrame::mayGoOn() {
-  if (stopped_ || to_look_-- != 0) return !stopped_;
-  to_look_ = kItemsPerLook - 1;
-  stopped_ = deadline_.passed() || (most_work_.count() != 0 && work() >= most_work_);
-  return !stopped_;
-}
-
-std::chrono::nanoseconds PortalsFrame::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + drawing_ns_);
-}
+std::uint64_t PortalsFrame::countedNs() const { return kFrameNs + kNodeNs * stats_.nodes_visited; }
 
 /// Largest on the image first: a node is opened only while a box below it may be as large as the
 /// next one.
@@ -83,11 +70,10 @@ void PortalsFrame::drawBoxes() {
     if (memory_.cells.certainlyHidden(item.rect, item.nearest)) continue;
     const Instance& box = solids_.drawn().scene()->instance(item.ref.objectId());
     const DrawnOccluder drawn =
-        drawing_.draw(box, item.nearest, OccluderDrawing::kNoLimit, memory_.cells);
+        drawing_.draw(box, item.nearest, budget_.leftNs(countedNs()), memory_.cells);
     ++stats_.occluders_drawn;
     stats_.triangles_drawn += drawn.triangles;
-    drawing_ns_ += drawn.work_ns;
-    stopped_ = stopped_ || drawn.cut_short;
+    budget_.drew(drawn);
   }
 }
 
@@ -98,9 +84,9 @@ void PortalsFrame::run(Answer& answer) {
       memory_.stack, [&] { return mayGoOn(); },
       [&](const ImageItem& item) { return memory_.cells.certainlyHidden(item.rect, item.nearest); },
       stats_, in_frustum_, answer.visible);
-  answer.out_of_budget = stopped_;
-  if (!stopped_) stats_.in_frustum = in_frustum_;
-  stats_.work = work();
+  answer.out_of_budget = budget_.stopped();
+  if (!budget_.stopped()) stats_.in_frustum = in_frustum_;
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
 }
 

@@ -11,6 +11,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/raster/depth_cells.h"
 #include "culling/spatial/wide_bvh.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -35,13 +36,12 @@ class PortalsFrame {
  private:
   void chooseBoxes();
   void drawBoxes();
-  bool mayGoOn();
-  std::chrono::nanoseconds work() const;
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
+  std::uint64_t countedNs() const;  ///< work beside drawing
 
   const SolidOccluders& solids_;
   std::uint32_t most_boxes_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   PortalsMemory& memory_;
   CellView view_;
   ImageWalk walk_;
@@ -49,9 +49,6 @@ class PortalsFrame {
   OccluderDrawing drawing_;
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;
-  std::uint64_t drawing_ns_ = 0;
-  std::uint32_t to_look_ = 0;  ///< items before the next look at the clock
-  bool stopped_ = false;
 };
 
 }  // namespace culld

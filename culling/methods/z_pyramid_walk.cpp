@@ -20,8 +20,6 @@ namespace {
 constexpr std::uint64_t kLeastFaceCells = 32;  ///< fewer cells: the rectangle says enough
 constexpr std::uint64_t kStakeNs = 300;        ///< per object: asked in vain before it must pay
 
-constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
-
 // Nanoseconds of counted work: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 300, kComparisonNs = 8;
 
@@ -47,7 +45,7 @@ ZPyramidWalk::ZPyramidWalk(const SceneSnapshot& scene, const Octree& octree,
       occluders_(occluders),
       parts_(parts),
       deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       frustum_(camera, octree.bounds()),
       view_(cellView(shownBy(camera), gridFor(camera))),
@@ -79,17 +77,9 @@ void ZPyramidWalk::beginFrame() {
   memory_.parts.clear();
 }
 
-std::chrono::nanoseconds ZPyramidWalk::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited +
-                                  kComparisonNs * memory_.pyramid.comparisons() + drawing_ns_ +
-                                  asking_ns_);
-}
-
-bool ZPyramidWalk::mayGoOn() {
-  if (stopped_) return false;
-  if (looks_++ % kStepsPerLook == 0) stopped_ = deadline_.passed();
-  if (most_work_.count() != 0 && work() >= most_work_) stopped_ = true;
-  return !stopped_;
+std::uint64_t ZPyramidWalk::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kComparisonNs * memory_.pyramid.comparisons() +
+         asking_ns_;
 }
 
 void ZPyramidWalk::run(Answer& answer) {
@@ -104,14 +94,14 @@ void ZPyramidWalk::run(Answer& answer) {
     memory_.pending.push_back(root);
     walk();
   }
-  if (!stopped_ && settle(answer)) {
+  if (!budget_.stopped() && settle(answer)) {
     askByTriangles(answer);
   } else {
     keepTheRest(answer);
   }
   stats_.depth_comparisons = memory_.pyramid.comparisons();
-  stats_.work = work();
-  answer.out_of_budget = stopped_;
+  stats_.work = budget_.work(countedNs());
+  answer.out_of_budget = budget_.stopped();
   answer.stats = stats_;
 }
 
@@ -258,7 +248,7 @@ bool ZPyramidWalk::ownBox(ObjectId id, ZPyramidBox& box) const {
 
 /// Draws the object if it is worth that and not hidden: hidden, it would change nothing.
 void ZPyramidWalk::takeOccluder(ObjectId id) {
-  if (memory_.taken_in[id] == memory_.frame || stopped_) return;
+  if (memory_.taken_in[id] == memory_.frame || budget_.stopped()) return;
   memory_.taken_in[id] = memory_.frame;
   const Instance& instance = scene_.instance(id);
   ZPyramidBox box;
@@ -269,13 +259,10 @@ void ZPyramidWalk::takeOccluder(ObjectId id) {
   probe.nearest = box.nearest;
   if (memory_.pyramid.hides(probe, parts_.levels, box.open)) return;
   ++stats_.occluders_drawn;
-  std::uint64_t left_ns = OccluderDrawing::kNoLimit;
-  if (most_work_.count() != 0)
-    left_ns = static_cast<std::uint64_t>(std::max((most_work_ - work()).count(), std::int64_t{0}));
-  const DrawnOccluder drawn = drawing_.draw(instance, box.nearest, left_ns, memory_.cells);
+  const DrawnOccluder drawn =
+      drawing_.draw(instance, box.nearest, budget_.leftNs(countedNs()), memory_.cells);
   stats_.triangles_drawn += drawn.triangles;
-  drawing_ns_ += drawn.work_ns;
-  stopped_ = stopped_ || drawn.cut_short;
+  budget_.drew(drawn);
   if (parts_.incremental) {
     memory_.pyramid.update(memory_.cells, box.rect);
   } else {
@@ -352,7 +339,7 @@ bool ZPyramidWalk::hiddenByItsTriangles(ObjectId id) {
       ownTrianglesHidden(object, asked_view_, eye_world_, deadline_, worth_ns, memory_.cells);
   asking_ns_ += verdict.work_ns;
   if (verdict.hidden) saved_ns_ += worth_ns;
-  stopped_ = stopped_ || verdict.out_of_time;
+  if (verdict.out_of_time) budget_.stop();
   return verdict.hidden;
 }
 

@@ -13,6 +13,7 @@
 #include "culling/raster/depth_pyramid.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/octree.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -76,7 +77,7 @@ class ZPyramidWalk {
   void run(Answer& answer);
 
  private:
-  bool mayGoOn();
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
   void beginFrame();
   void drawWhatWasVisible();
   void walk();
@@ -95,7 +96,7 @@ class ZPyramidWalk {
   bool hiddenByItsTriangles(ObjectId id);
   void keepTheRest(Answer& answer);
   void keep(ObjectId id, Answer& answer);
-  std::chrono::nanoseconds work() const;
+  std::uint64_t countedNs() const;  ///< work beside drawing
   std::uint32_t nearestOctant(const glm::dvec3& centre) const;
 
   const SceneSnapshot& scene_;
@@ -103,7 +104,7 @@ class ZPyramidWalk {
   const OccluderSet& occluders_;
   const ZPyramidParts& parts_;
   const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   ZPyramidMemory& memory_;
   FrustumTest frustum_;
   CellView view_;
@@ -115,10 +116,8 @@ class ZPyramidWalk {
   bool ask_triangles_;
   bool coherent_;
   bool occlusion_;
-  bool stopped_ = false;         ///< time or work is used up: everything undecided is kept
   bool pyramid_is_old_ = false;  ///< only without the incremental update
-  std::uint32_t looks_ = 0;
-  std::uint64_t drawing_ns_ = 0, asking_ns_ = 0, saved_ns_ = 0;
+  std::uint64_t asking_ns_ = 0, saved_ns_ = 0;
   CullStats stats_;
 };
 

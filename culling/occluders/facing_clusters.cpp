@@ -15,15 +15,14 @@ double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std:
 FacingRegion FacingClusters::regionOf(const Cluster& c, const MeshEye& eye) noexcept {
   if (!c.certain) return FacingRegion::kMixed;
   // The largest n . v over the normals n of a cone is |v| cos(angle(v, axis) - the cone's angle).
-  const glm::dvec3 back = eye.parallel ? eye.at : eye.at - c.behind;
-  const double along = glm::dot(c.axis, back);
-  const double aside = glm::length(back - along * c.axis);
-  const double margin = eye.radius + (eye.parallel ? 0.0 : c.slack) + 1e-13 * sumAbs(back) + 1e-300;
-  if (c.cosine * along + c.sine * aside + margin < 0.0) return FacingRegion::kBack;
-  const glm::dvec3 front = eye.parallel ? eye.at : eye.at - c.in_front;
-  const double ahead = glm::dot(c.axis, front);
-  const double beside = glm::length(front - ahead * c.axis);
-  return c.cosine * ahead - c.sine * beside > 0.0 ? FacingRegion::kFront : FacingRegion::kMixed;
+  const glm::dvec3 v = eye.parallel ? eye.at : eye.at - c.middle;
+  const double along = glm::dot(c.axis, v);
+  const double aside = glm::length(v - along * c.axis);
+  const double below = eye.parallel ? 0.0 : c.below, above = eye.parallel ? 0.0 : c.above;
+  const double margin = eye.radius + 1e-13 * sumAbs(v) + 1e-300;
+  if (c.cosine * along + c.sine * aside + below + margin < 0.0) return FacingRegion::kBack;
+  const bool front = c.cosine * along - c.sine * aside > above;
+  return front ? FacingRegion::kFront : FacingRegion::kMixed;
 }
 
 /// Calls take(cluster, region) in order for clusters that are decided or not divided, until it
@@ -52,11 +51,13 @@ void FacingClusters::walk(std::uint32_t root, const MeshEye& eye, bool hierarchy
   }
 }
 
-bool FacingClusters::turnedAway(const MeshEye& eye, bool hierarchy, std::uint64_t& regions) const {
+bool FacingClusters::turnedAway(const MeshEye& eye, bool hierarchy, std::uint64_t most_regions,
+                                std::uint64_t& regions) const {
+  const std::uint64_t end = regions + most_regions;
   bool away = one_sided_;
   for (std::size_t i = 0; i < roots_.size() && away; ++i) {
     walk(roots_[i], eye, hierarchy, regions, [&](const Cluster&, FacingRegion region) {
-      away = region == FacingRegion::kBack;
+      away = region == FacingRegion::kBack && regions <= end;
       return away;
     });
   }

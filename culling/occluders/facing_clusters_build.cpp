@@ -6,7 +6,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "culling/occluders/facing_clusters.h"
@@ -47,46 +47,56 @@ class ClusterBuilder {
   }
 
  private:
-  using Members = std::span<const std::uint32_t>;
-
-  glm::dvec3 corner(std::uint32_t t, std::size_t i) const {
-    return glm::dvec3(mesh_.positions[mesh_.triangles[t][i]]);
-  }
+  /// A triangle by itself, so that sorting and bounding read what lies side by side.
+  struct Member {
+    glm::dvec3 normal;       ///< of length 1; 0 if not known
+    double error;            ///< of the normal, as a vector
+    glm::vec3 corner;        ///< its first
+    std::uint32_t triangle;  ///< of the mesh
+  };
+  using Members = std::span<Member>;
+  /// Where members lie, and where their normals point.
+  struct Extent {
+    glm::vec3 low{std::numeric_limits<float>::infinity()}, high = -low;
+    glm::dvec3 least{kInf}, most{-kInf};
+  };
 
   void measureAll() {
-    order_.resize(mesh_.triangles.size());
-    std::iota(order_.begin(), order_.end(), 0U);
-    normals_.resize(order_.size());
-    errors_.resize(order_.size());
-    for (std::uint32_t t = 0; t < order_.size(); ++t) measure(t);
+    members_.reserve(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) members_.push_back(measured(t));
     const glm::dvec3 side = mesh_.bounds.max - mesh_.bounds.min;
     const double size = std::max({side.x, side.y, side.z});
     per_size_ = size > 0.0 ? 1.0 / size : 0.0;
   }
 
-  void measure(std::uint32_t t) {
-    const glm::dvec3 a = corner(t, 1) - corner(t, 0), b = corner(t, 2) - corner(t, 0);
+  Member measured(std::uint32_t t) const {
+    const auto& corners = mesh_.triangles[t];
+    const glm::dvec3 p(mesh_.positions[corners[0]]);
+    const glm::dvec3 a = glm::dvec3(mesh_.positions[corners[1]]) - p;
+    const glm::dvec3 b = glm::dvec3(mesh_.positions[corners[2]]) - p;
     const glm::dvec3 n = glm::cross(a, b);
     const double length = glm::length(n);
-    normals_[t] = n / length;
-    errors_[t] = 32.0 * kUnit * sumAbs(a) * sumAbs(b) / length + 8.0 * kUnit;
-    if (!(errors_[t] < kMostNormalError)) {  // NaN too
-      errors_[t] = kInf;
-      normals_[t] = glm::dvec3(0.0);
-    }
+    const double error = 32.0 * kUnit * sumAbs(a) * sumAbs(b) / length + 8.0 * kUnit;
+    const bool known = error < kMostNormalError;  // false for NaN
+    return {known ? n / length : glm::dvec3(0.0), known ? error : kInf, mesh_.positions[corners[0]],
+            t};
   }
 
   std::uint32_t divide(std::uint32_t first, std::uint32_t count) {
     const auto index = static_cast<std::uint32_t>(out_.clusters_.size());
-    out_.clusters_.push_back(clusterOf(first, count));
+    const Members members(&members_[first], count);
+    Extent extent;
+    out_.clusters_.push_back(clusterOf(members, extent));
+    out_.clusters_[index].first = first;
+    out_.clusters_[index].count = count;
     if (count <= rules_.leaf) return index;
     const std::uint32_t half = count / 2;
-    const auto begin = order_.begin() + first;
-    if (const std::optional<std::size_t> key = widestKey({&order_[first], count})) {
-      std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
-        const double x = keyOf(a, *key), y = keyOf(b, *key);
-        return x < y || (x == y && a < b);
-      });
+    if (const std::optional<int> key = widestKey(extent)) {
+      const int axis = *key % 3;
+      *key < 3 ? halve(
+                     members, [axis](const Member& m) { return m.corner[axis]; })
+               : halve(
+                     members, [axis](const Member& m) { return m.normal[axis]; });
     }
     divide(first, half);
     const std::uint32_t right = divide(first + half, count - half);
@@ -94,87 +104,82 @@ class ClusterBuilder {
     return index;
   }
 
-  /// Keys 0-2: place, as a share of the mesh's size; 3-5: normal.
-  double keyOf(std::uint32_t t, std::size_t key) const {
-    const auto axis = static_cast<int>(key % 3);
-    return key < 3 ? corner(t, 0)[axis] * per_size_ : normals_[t][axis];
+  template <typename KeyOf>
+  static void halve(Members members, const KeyOf& key_of) {
+    const auto middle = members.begin() + static_cast<std::ptrdiff_t>(members.size() / 2);
+    std::nth_element(members.begin(), middle, members.end(), [&](const Member& a, const Member& b) {
+      const auto x = key_of(a), y = key_of(b);
+      return x < y || (x == y && a.triangle < b.triangle);
+    });
   }
 
-  /// Where members differ most. None if nothing may divide them.
-  std::optional<std::size_t> widestKey(Members members) const {
-    std::optional<std::size_t> best;
+  /// Where members differ most: 0-2 by place, as a share of the mesh's size; 3-5 by normal. None if
+  /// nothing may divide them.
+  std::optional<int> widestKey(const Extent& extent) const {
+    const glm::dvec3 place = per_size_ * (glm::dvec3(extent.high) - glm::dvec3(extent.low));
+    const glm::dvec3 normal = extent.most - extent.least;
+    std::optional<int> best;
     double widest = -1.0;
-    for (std::size_t key = 0; key < 6; ++key) {
+    for (int key = 0; key < 6; ++key) {
       if (!(key < 3 ? rules_.by_position : rules_.by_normal)) continue;
-      double low = kInf, high = -kInf;
-      for (const std::uint32_t t : members) {
-        low = std::min(low, keyOf(t, key));
-        high = std::max(high, keyOf(t, key));
-      }
-      if (high - low > widest) {
-        widest = high - low;
+      const double width = key < 3 ? place[key] : normal[key - 3];
+      if (width > widest) {
+        widest = width;
         best = key;
       }
     }
     return best;
   }
 
-  FacingClusters::Cluster clusterOf(std::uint32_t first, std::uint32_t count) const {
+  FacingClusters::Cluster clusterOf(Members members, Extent& extent) const {
     FacingClusters::Cluster c{};
-    c.first = first;
-    c.count = count;
-    const Members members(&order_[first], count);
     glm::dvec3 sum(0.0), middle(0.0);
     double error = 0.0;
-    for (const std::uint32_t t : members) {
-      sum += normals_[t];
-      error = std::max(error, errors_[t]);
-      middle += corner(t, 0) / static_cast<double>(count);
+    for (const Member& m : members) {
+      sum += m.normal;
+      middle += glm::dvec3(m.corner);
+      error = std::max(error, m.error);
+      extent.low = glm::min(extent.low, m.corner);
+      extent.high = glm::max(extent.high, m.corner);
+      extent.least = glm::min(extent.least, m.normal);
+      extent.most = glm::max(extent.most, m.normal);
     }
     const double length = glm::length(sum);
-    if (!(length > 0.0)) return c;
+    if (!(length > 0.0) || !(error < kMostNormalError)) return c;
     c.axis = sum / length;
-    double least = 1.0, sine = 0.0;
-    for (const std::uint32_t t : members) {
-      least = std::min(least, glm::dot(c.axis, normals_[t]));
-      sine = std::max(sine, glm::length(glm::cross(c.axis, normals_[t])));
-    }
-    c.sine = sine + error + kAngleError;
-    c.certain = least > 0.0 && c.sine < kMostSine;
-    if (!c.certain) return c;
-    c.cosine = std::sqrt(1.0 - c.sine * c.sine) - kCosineError;
-    setTips(members, middle, c);
+    c.middle = middle / static_cast<double>(members.size());
+    bound(members, error, c);
     return c;
   }
 
-  /// From the middle along the axis, far enough to be behind (in front of) every plane.
-  void setTips(Members members, const glm::dvec3& middle, FacingClusters::Cluster& c) const {
-    double back = 0.0, forth = 0.0;
-    for (const std::uint32_t t : members) {
-      const double height =
-          glm::dot(normals_[t], middle - corner(t, 0)) / glm::dot(c.axis, normals_[t]);
-      back = std::max(back, height);
-      forth = std::max(forth, -height);
+  /// The least cone around the axis, and the least distances from the middle to planes, that hold
+  /// for all members.
+  void bound(Members members, double error, FacingClusters::Cluster& c) const {
+    double least = 1.0, sine = 0.0;
+    c.above = -kInf;  // but `below` is 0 at least: regionOf() rests on that
+    for (const Member& m : members) {
+      least = std::min(least, glm::dot(c.axis, m.normal));
+      const glm::dvec3 across = glm::cross(c.axis, m.normal);
+      sine = std::max(sine, glm::dot(across, across));
+      const glm::dvec3 to = c.middle - glm::dvec3(m.corner);
+      const double height = glm::dot(m.normal, to);
+      c.below = std::max(c.below, height + 2.0 * (m.error + 8.0 * kUnit) * sumAbs(to));
+      c.above = std::max(c.above, -height);
     }
-    c.behind = middle - back * c.axis;
-    c.in_front = middle + forth * c.axis;
-    for (const std::uint32_t t : members) {
-      const glm::dvec3 to = c.behind - corner(t, 0);
-      const double most = glm::dot(normals_[t], to) + 2.0 * (errors_[t] + 8.0 * kUnit) * sumAbs(to);
-      c.slack = std::max(c.slack, most);
-    }
-    c.certain = std::isfinite(c.slack) && std::isfinite(sumAbs(c.in_front));
+    c.sine = std::sqrt(sine) + error + kAngleError;
+    c.certain = least > 0.0 && c.sine < kMostSine && std::isfinite(c.below);
+    if (c.certain) c.cosine = std::sqrt(1.0 - c.sine * c.sine) - kCosineError;
   }
 
   void reorder() {
-    std::vector<std::uint32_t> place(order_.size());
-    for (std::uint32_t i = 0; i < order_.size(); ++i) place[order_[i]] = i;
-    out_.triangles_.reserve(order_.size());
-    out_.partners_.reserve(3 * order_.size());
-    for (const std::uint32_t t : order_) {
-      out_.triangles_.push_back(mesh_.triangles[t]);
+    std::vector<std::uint32_t> place(members_.size());
+    for (std::uint32_t i = 0; i < members_.size(); ++i) place[members_[i].triangle] = i;
+    out_.triangles_.reserve(members_.size());
+    out_.partners_.reserve(3 * members_.size());
+    for (const Member& m : members_) {
+      out_.triangles_.push_back(mesh_.triangles[m.triangle]);
       for (std::uint32_t e = 0; e < 3; ++e) {
-        const std::uint32_t p = mesh_.partners[3 * t + e];
+        const std::uint32_t p = mesh_.partners[3 * m.triangle + e];
         out_.partners_.push_back(p == kOpenEdge ? kOpenEdge : 3 * place[p / 3] + p % 3);
       }
     }
@@ -182,9 +187,7 @@ class ClusterBuilder {
 
   const Mesh& mesh_;
   const ClusterRules& rules_;
-  std::vector<std::uint32_t> order_;  ///< triangles; surfaces stay in place
-  std::vector<glm::dvec3> normals_;   ///< of length 1; 0 if not known
-  std::vector<double> errors_;        ///< of normals, as vectors
+  std::vector<Member> members_;  ///< surfaces stay in place
   double per_size_ = 0.0;
   FacingClusters out_;
 };

@@ -112,6 +112,32 @@ TEST(BackfaceClusters, AWallThatIsTurnedRoundIsSeen) {
   EXPECT_EQ(next->cull(ahead(), {}, view).visible.size(), before + 1);
 }
 
+TEST(BackfaceClusters, StopsBetweenObjectsOfOneNode) {
+  // Bumpy ground seen from below: each piece takes many clusters to tell that it turns away.
+  scenes::Random random(3);
+  const scenes::Triangles ground = scenes::bumpySheet(60, 0.02, random);
+  SceneBuilder builder;
+  const MeshId mesh = builder.addMesh(makeMesh({{ground.positions, ground.indices, true, false}}));
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    builder.addInstance(mesh, {1, 0, 0, 0.1 * (i % 20), 0, 1, 0, 0.1 * (i / 20), 0, 0, 1, -9}, i);
+  }
+  const auto culler = prepared(":occluders=off:hierarchy=off", builder.finish());
+  LookAt from_below;
+  from_below.eye = {1, -10, -9};
+  from_below.target = {1, 0, -8};
+  const Camera camera = cameraFromLookAt(from_below, {}).value();
+  ViewState view;
+  const Answer whole = culler->cull(camera, {}, view);
+  Demand demand;
+  demand.work = whole.stats.work / 8;
+  const Answer cut = culler->cull(camera, demand, view);
+  EXPECT_FALSE(whole.out_of_budget);
+  EXPECT_GT(whole.stats.work, std::chrono::milliseconds(1));
+  EXPECT_TRUE(cut.out_of_budget);
+  EXPECT_LT(cut.stats.work, whole.stats.work / 6);
+  EXPECT_GT(cut.visible.size(), whole.visible.size());
+}
+
 TEST(BackfaceClusters, AnswersTheSameWhateverAViewRemembers) {
   const scenes::City city = scenes::generateCity({.seed = 2, .objects = 2'000, .frames = 12});
   const auto culler = prepared("", scenes::toSnapshot(city.model));

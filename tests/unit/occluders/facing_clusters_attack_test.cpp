@@ -106,7 +106,7 @@ class OneMesh {
   bool away(const glm::dvec3& eye) const {
     std::uint64_t regions = 0;
     const auto mesh_eye = meshEye(placed_, viewer(eye));
-    return mesh_eye && clusters_.turnedAway(*mesh_eye, true, regions);
+    return mesh_eye && clusters_.turnedAway(*mesh_eye, true, 1'000'000, regions);
   }
   bool facesAny(const TrueObject& object, const glm::dvec3& eye, std::uint32_t t) {
     const std::array<Vec, 3> corner = object.triangle(t);

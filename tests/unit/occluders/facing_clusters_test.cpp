@@ -10,6 +10,7 @@
 namespace culld {
 namespace {
 
+constexpr std::uint64_t kAllRegions = 1'000'000;
 constexpr std::array<double, 12> kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 
 Mesh meshOf(const scenes::Triangles& t, bool double_sided = false) {
@@ -37,7 +38,7 @@ bool away(const Mesh& mesh, const VolumeEye& eye,
           const std::array<double, 12>& placed = kIdentity) {
   std::uint64_t regions = 0;
   const auto mesh_eye = meshEye(placed, eye);
-  return mesh_eye && FacingClusters::of(mesh, {}).turnedAway(*mesh_eye, true, regions);
+  return mesh_eye && FacingClusters::of(mesh, {}).turnedAway(*mesh_eye, true, kAllRegions, regions);
 }
 
 TEST(FacingClusters, ASquareTurnsAwayBehindItsPlaneOnly) {
@@ -141,17 +142,86 @@ TEST(FacingClusters, LikeNormalsMakeLargerRegions) {
   EXPECT_LT(both.triangles, place.triangles);
 }
 
-TEST(FacingClusters, NearTrianglesMakeLargerRegions) {
-  // A shelf seen from half its height: boards face up, those above the eye turn away.
+/// 64 boards that face up, the eye between those in the middle, or higher than that.
+Mesh shelf(float lower = 0.0F) {
   scenes::Triangles t;
   for (int i = 0; i < 64; ++i) {
-    const auto height = static_cast<float>(i * 37 % 64) - 32.0F;
-    scenes::append(t, scenes::quad({-1, height + 3.5F, 1}, {2, 0, 0}, {0, 0, -2}));
+    const float height = static_cast<float>(i * 37 % 64) - 28.5F - lower;
+    scenes::append(t, scenes::quad({-1, height, 1}, {2, 0, 0}, {0, 0, -2}));
   }
-  const Mesh mesh = meshOf(t);
+  return meshOf(t);
+}
+
+TEST(FacingClusters, NearTrianglesMakeLargerRegions) {
+  const Mesh mesh = shelf();
   const Facing both = facing(mesh, {4, true, true}), normal = facing(mesh, {4, false, true});
   EXPECT_EQ(both.triangles, 64U);
   EXPECT_GT(normal.triangles, 96U);
+}
+
+TEST(FacingClusters, AClusterIsFacingAsAWholeOnlyBeforeAllOfItsPlanes) {
+  EXPECT_EQ(facing(shelf(16.0F), {4, true, true}).triangles, 96U);
+}
+
+TEST(FacingClusters, MoreRegionsThanAllowedDecideNothing) {
+  const Mesh mesh = ball(96);
+  const FacingClusters clusters = FacingClusters::of(mesh, {});
+  const auto within = meshEye(kIdentity, eyeAt({0, 0, 0}));
+  std::uint64_t all = 0, some = 0;
+  EXPECT_TRUE(clusters.turnedAway(*within, false, kAllRegions, all));
+  EXPECT_FALSE(clusters.turnedAway(*within, false, all - 1, some));
+  EXPECT_LE(some, all);
+  some = 0;
+  EXPECT_FALSE(clusters.turnedAway(*within, false, 10, some));
+  EXPECT_LE(some, 11U);
+}
+
+/// Front to +z at z = 0; glass with its front to -z at z = -2; and, with two sides, z = 0 again.
+Mesh surfaces(bool with_third) {
+  const scenes::Triangles up = scenes::quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
+  const scenes::Triangles down = scenes::quad({-1, -1, -2}, {0, 2, 0}, {2, 0, 0});
+  std::vector<RawSurface> raw{{up.positions, up.indices, true, false},
+                              {down.positions, down.indices, false, false}};
+  if (with_third) raw.push_back({up.positions, up.indices, true, true});
+  const Mesh mesh = makeMesh(raw);
+  EXPECT_EQ(mesh.surfaces.size(), raw.size());
+  return mesh;
+}
+
+std::vector<std::pair<std::uint32_t, std::uint32_t>> runsFrom(const Mesh& mesh,
+                                                              const glm::dvec3& eye) {
+  std::vector<SheetSurface> runs;
+  std::uint64_t regions = 0;
+  FacingClusters::of(mesh, {}).appendFacing(mesh, *meshEye(kIdentity, eyeAt(eye)), true, runs,
+                                            regions);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> out;
+  for (const SheetSurface& run : runs) {
+    EXPECT_EQ(run.double_sided, mesh.surfaces[run.first_triangle / 2].double_sided);
+    out.emplace_back(run.first_triangle, run.triangle_count);
+  }
+  return out;
+}
+
+TEST(FacingClusters, EachSurfaceOfAMeshIsAskedByItself) {
+  using Runs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+  const glm::dvec3 between(0, 0, -1), below(0, 0, -3), above(0, 0, 1);
+  const Mesh two = surfaces(false), three = surfaces(true);
+  EXPECT_TRUE(away(two, eyeAt(between)));
+  EXPECT_FALSE(away(two, eyeAt(below)));  // the glass does not
+  EXPECT_FALSE(away(two, eyeAt(above)));
+  EXPECT_EQ(runsFrom(two, between), Runs{});
+  EXPECT_EQ(runsFrom(two, below), Runs{});  // which blocks nothing
+  EXPECT_EQ(runsFrom(two, above), (Runs{{0, 2}}));
+  EXPECT_FALSE(away(three, eyeAt(between)));
+  EXPECT_EQ(runsFrom(three, between), (Runs{{4, 2}}));
+  EXPECT_EQ(runsFrom(three, above), (Runs{{0, 2}, {4, 2}}));
+}
+
+TEST(FacingClusters, PointsAndLinesNeverTurnAway) {
+  Mesh mesh = square();
+  ASSERT_TRUE(away(mesh, eyeAt({0, 0, -1})));
+  mesh.points_and_lines = 1;
+  EXPECT_FALSE(away(mesh, eyeAt({0, 0, -1})));
 }
 
 TEST(FacingClusters, PartnersFollowTheirTriangles) {
