@@ -52,7 +52,7 @@ struct CullStats {
   std::uint32_t triangles_drawn = 0;
   std::uint32_t always_kept = 0;        ///< objects without a bound (skins, morphs, non-finite)
   std::uint64_t depth_comparisons = 0;  ///< of methods that count what they ask a pyramid
-  std::uint64_t plane_tests = 0;        ///< points and spheres held against planes, one by one
+  std::uint64_t plane_tests = 0;        ///< boxes, spheres against planes; clusters against eyes
   /// The work as the method counts it, priced with constants measured once (docs/planner.md): the
   /// same number on every machine. 0 if the method does not price its work.
   std::chrono::nanoseconds work{0};

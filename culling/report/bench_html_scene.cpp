@@ -58,7 +58,7 @@ class Cells {
   std::string html_;
 };
 
-constexpr std::array<const char*, 21> kHeads{
+constexpr std::array<const char*, 22> kHeads{
     "<th class=\"l\">method</th>",
     "<th class=\"l\">setting</th>",
     "<th class=\"l\">guarantee</th>",
@@ -77,6 +77,7 @@ constexpr std::array<const char*, 21> kHeads{
     "<th>cut short<small>of answers</small></th>",
     "<th>nodes<small>visited</small></th>",
     "<th>objects<small>tested</small></th>",
+    "<th>planes<small>tested</small></th>",
     "<th>occluders<small>drawn</small></th>",
     "<th>triangles<small>drawn</small></th>",
     "<th>answer<small>whole / as a change</small></th>"};
@@ -107,7 +108,7 @@ std::string rowOf(const SceneRows& rows, std::size_t i) {
              shortTime(sum.cameras_us.p95) + " / " + shortTime(sum.cameras_us.max));
   cells.number(sum.relative).number(sum.relative_min).number(sum.relative_work);
   cells.text(percent(sum.out_of_budget));
-  cells.number(sum.nodes_visited).number(sum.tested);
+  cells.number(sum.nodes_visited).number(sum.tested).number(sum.plane_tests);
   cells.number(sum.occluders_drawn).number(sum.triangles_drawn);
   cells.text(shortBytes(sum.answer_bytes) + " / " + shortBytes(sum.change_bytes));
   return cells.row();

@@ -52,6 +52,7 @@ Json summaryJson(const RunSummary& sum) {
             {"relative", orNull(sum.relative_work)},
             {"nodes_visited", sum.nodes_visited},
             {"tested", sum.tested},
+            {"plane_tests", sum.plane_tests},
             {"occluders_drawn", sum.occluders_drawn},
             {"triangles_drawn", sum.triangles_drawn}}}};
 }

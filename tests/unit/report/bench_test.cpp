@@ -133,6 +133,22 @@ TEST_F(Bench, SaysSoInTheFirstLineOfEveryReport) {
   EXPECT_FALSE(json.at("guarantees_held").get<bool>());
 }
 
+TEST_F(Bench, ReportsThePlanesThatWereTested) {
+  const ScriptedMethod counts("frustum", Guarantee::kConservative,
+                              [](const Camera&, const Demand&) {
+                                Answer answer;
+                                answer.visible = {0, 1, 2, 3, 4};
+                                answer.stats.plane_tests = 4711;
+                                return answer;
+                              });
+  const BenchReport report = reportOf({&counts});
+  const auto json = nlohmann::json::parse(benchJson(report));
+  EXPECT_EQ(json.at("scenes").at(0).at("runs").at(0).at("work").at("plane_tests"), 4711.0);
+  const std::string csv = benchCsv(report);
+  EXPECT_NE(csv.find(",tested,plane_tests,"), std::string::npos);
+  EXPECT_NE(csv.find(",4711,"), std::string::npos);
+}
+
 TEST_F(Bench, NeedsNothingFromElsewhereInItsPage) {
   const std::string html = benchHtml(reportOf({&frustum_, &exact_}));
   EXPECT_EQ(html.find("<script"), std::string::npos);
