@@ -1,5 +1,6 @@
 // What methods that cull with boxes do alike, whatever they leave out in between.
 #pragma once
+#include <string>
 #include <string_view>
 
 #include "culling/core/clock.h"
@@ -24,5 +25,24 @@ void countFrustum(const FrustumWalkStats& walk, std::size_t live, std::size_t al
 /// Completes what a walk has found: the objects without a bound, ascending ids, their counts, and
 /// the note of `method` if it was cut short.
 void completeAnswer(const PreparedBoxes& boxes, std::string_view method, Answer& answer);
+
+/// The answer of `method`: what run(deadline, answer) appends to answer.visible; or, if that
+/// returns a reason why occlusion cannot be looked for instead, all in the frustum.
+template <typename Run>
+Answer answerBy(std::string_view method, const PreparedBoxes& boxes, const Clock& clock,
+                const Camera& camera, const Demand& demand, const Run& run) {
+  const auto start = clock.now();
+  const Deadline deadline(clock, start, demand.time);
+  Answer answer;
+  const std::string_view why_not = run(deadline, answer);
+  if (!why_not.empty()) {
+    const std::string note =
+        std::string(method) + ": " + std::string(why_not) + ", occlusion is left out";
+    answerFrustum(boxes, camera, deadline, note, answer);
+  }
+  completeAnswer(boxes, method, answer);
+  answer.stats.time = clock.now() - start;
+  return answer;
+}
 
 }  // namespace culld

@@ -32,23 +32,15 @@ class BackfaceClustersCuller final : public Culler {
         clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    if (holdsInMotion(camera)) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      if (!holdsInMotion(camera)) return "no one image holds for the motion bound";
       const BackfaceClustersScene scene{*boxes_.scene(), boxes_.bvh(), *clusters_};
       BackfaceClustersFrame(scene, options_, camera, deadline, demand,
                             view.memory<BackfaceClustersMemory>())
           .run(answer);
-    } else {
-      answerFrustum(boxes_, camera, deadline,
-                    "backface-clusters: no one image holds for the motion bound, the frustum's "
-                    "answer is given",
-                    answer);
-    }
-    completeAnswer(boxes_, "backface-clusters", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("backface-clusters", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

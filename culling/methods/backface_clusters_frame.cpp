@@ -11,11 +11,6 @@ constexpr std::uint64_t kRegionsPerLook = 256;  ///< asked without a look at the
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kEyeNs = 40, kRegionNs = 12;
 
-bool nearerFirst(const ImageItem& a, const ImageItem& b) {
-  if (a.nearest != b.nearest) return a.nearest > b.nearest;
-  return a.ref.objectId() < b.ref.objectId();
-}
-
 }  // namespace
 
 BackfaceClustersFrame::BackfaceClustersFrame(const BackfaceClustersScene& scene,

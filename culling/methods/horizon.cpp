@@ -36,20 +36,14 @@ class HorizonCuller final : public Culler {
       : boxes_(std::move(boxes)), parts_(parts), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    if (camera.motion.still()) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      if (!camera.motion.still()) return "a camera with a motion bound";
       HorizonWalk(*boxes_.scene(), boxes_.bvh(), camera, deadline, demand, parts_,
                   view.memory<HorizonMemory>())
           .run(answer);
-    } else {
-      answerFrustum(boxes_, camera, deadline,
-                    "horizon: a camera with a motion bound, occlusion is left out", answer);
-    }
-    completeAnswer(boxes_, "horizon", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("horizon", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

@@ -21,23 +21,15 @@ class LayersCuller final : public Culler {
         clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    if (camera.perspective && holdsInMotion(camera)) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      if (!camera.perspective) return "an orthographic camera";
+      if (!holdsInMotion(camera)) return "the motion bound turns too far";
       const LayersScene scene{*boxes_.scene(), boxes_.bvh(), *occluders_, grid_};
       LayersFrame(scene, options_, camera, deadline, demand, view.memory<LayersMemory>())
           .run(answer);
-    } else {
-      answerFrustum(boxes_, camera, deadline,
-                    camera.perspective
-                        ? "layers: the motion bound turns too far, occlusion is left out"
-                        : "layers: an orthographic camera, occlusion is left out",
-                    answer);
-    }
-    completeAnswer(boxes_, "layers", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("layers", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

@@ -45,23 +45,16 @@ class OcclusionMapCuller final : public Culler {
         clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    if (holdsInMotion(camera)) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      if (!holdsInMotion(camera)) return "no one image holds for the motion bound";
       const OcclusionMapScene scene{*boxes_.scene(), boxes_.bvh(),         meshes_->occluders,
                                     database_,       meshes_->see_through, meshes_->all_block};
       OcclusionMapFrame(scene, options_, camera, deadline, demand,
                         view.memory<OcclusionMapMemory>())
           .run(answer);
-    } else {
-      answerFrustum(boxes_, camera, deadline,
-                    "occlusion-map: no one image holds for the motion bound, occlusion is left out",
-                    answer);
-    }
-    completeAnswer(boxes_, "occlusion-map", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("occlusion-map", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

@@ -15,15 +15,6 @@ namespace {
 // Nanoseconds of counted work, after those of `raster`: rough.
 constexpr std::uint64_t kFrameNs = 20'000, kNodeNs = 150, kTexelNs = 5, kBlockNs = 6;
 
-bool smallerFirst(const ImageItem& a, const ImageItem& b) {
-  return a.rect.cells() < b.rect.cells();
-}
-
-bool nearerFirst(const ImageItem& a, const ImageItem& b) {
-  if (a.nearest != b.nearest) return a.nearest > b.nearest;
-  return a.ref.objectId() < b.ref.objectId();
-}
-
 }  // namespace
 
 OcclusionMapFrame::OcclusionMapFrame(const OcclusionMapScene& scene,

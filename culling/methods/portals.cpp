@@ -53,21 +53,15 @@ class PortalsCuller final : public Culler {
         clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    const std::string_view why = whyNot(solids_, camera);
-    if (why.empty()) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      const std::string_view why_not = whyNot(solids_, camera);
+      if (!why_not.empty()) return why_not;
       PortalsFrame(boxes_.bvh(), solids_, most_boxes_, camera, deadline, demand,
                    view.memory<PortalsMemory>())
           .run(answer);
-    } else {
-      const std::string note = "portals: " + std::string(why) + ", occlusion is left out";
-      answerFrustum(boxes_, camera, deadline, note, answer);
-    }
-    completeAnswer(boxes_, "portals", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("portals", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

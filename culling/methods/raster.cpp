@@ -19,23 +19,17 @@ class RasterCuller final : public Culler {
       : boxes_(std::move(boxes)), occluders_(std::move(occluders)), clock_(clock) {}
 
   Answer cull(const Camera& camera, const Demand& demand, ViewState& view) const override {
-    const auto start = clock_.now();
-    const Deadline deadline(clock_, start, demand.time);
-    Answer answer;
-    if (holdsInMotion(camera)) {
+    const auto run = [&](const Deadline& deadline, Answer& answer) -> std::string_view {
+      if (!holdsInMotion(camera)) {
+        return camera.perspective ? "the motion bound turns too far"
+                                  : "an orthographic camera that turns";
+      }
       RasterWalk(*boxes_.scene(), boxes_.bvh(), *occluders_, camera, deadline, demand,
                  view.memory<RasterMemory>())
           .run(answer);
-    } else {
-      answerFrustum(boxes_, camera, deadline,
-                    camera.perspective
-                        ? "raster: the motion bound turns too far, occlusion is left out"
-                        : "raster: an orthographic camera that turns, occlusion is left out",
-                    answer);
-    }
-    completeAnswer(boxes_, "raster", answer);
-    answer.stats.time = clock_.now() - start;
-    return answer;
+      return {};
+    };
+    return answerBy("raster", boxes_, clock_, camera, demand, run);
   }
 
   Result<std::unique_ptr<Culler>> edited(SnapshotPtr next,

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "culling/core/sum_abs.h"
+
 namespace culld {
 namespace {
 
 constexpr std::size_t kMostOpen = 64;  ///< clusters are halved: they are no more than 32 deep
-
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 }  // namespace
 

@@ -9,6 +9,8 @@
 #include <optional>
 #include <utility>
 
+#include "culling/core/sum_abs.h"
+
 #include "culling/occluders/facing_clusters.h"
 
 namespace culld {
@@ -20,8 +22,6 @@ constexpr double kMostSine = 0.9999995;    ///< of a cone: its cosine is above 1
 constexpr double kCosineError = 1e-12;     ///< ... known to this
 constexpr double kMostNormalError = 1e-6;  ///< worse, and a triangle's facing is not asked
 constexpr double kInf = std::numeric_limits<double>::infinity();
-
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 }  // namespace
 

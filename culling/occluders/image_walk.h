@@ -27,6 +27,17 @@ struct ImageItem {
   PlaneMask planes;  ///< still to be tested below a node
 };
 
+/// The order in which what is nearer comes first.
+inline bool nearerFirst(const ImageItem& a, const ImageItem& b) noexcept {
+  if (a.nearest != b.nearest) return a.nearest > b.nearest;
+  return a.ref.objectId() < b.ref.objectId();
+}
+
+/// Of a heap whose top is the largest on the image.
+inline bool smallerFirst(const ImageItem& a, const ImageItem& b) noexcept {
+  return a.rect.cells() < b.rect.cells();
+}
+
 /// The cells that a box of world space may be on, and how near it may be. False: it is on none.
 inline bool projectBox(const BoxView& view, const glm::dvec3& eye_world, const CellGrid& grid,
                        const Box& box, CellRect& rect, float& nearest) noexcept {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "culling/core/sum_abs.h"
 #include "culling/raster/object_rows.h"
 
 namespace culld {
@@ -12,8 +13,6 @@ namespace {
 constexpr double kUnit = 0x1p-53;
 constexpr double kLeastShape = 1e-6;  ///< determinant, as a share of the rows' lengths
 constexpr double kUp = 1.001;         ///< for the roundings of what bounds roundings
-
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 /// At least the spectral norm of the matrix with these columns: its Gram matrices' row sums bound
 /// their eigenvalues (Gershgorin), and are exact for turned and scaled ones.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "culling/core/piece_contour.h"
+#include "culling/core/sum_abs.h"
 #include "culling/raster/object_rows.h"
 #include "culling/scene/scene_snapshot.h"
 
@@ -20,7 +21,6 @@ constexpr double kTie = 0x1p-38;    ///< of the distance: what is no farther beh
 constexpr double kFarthest = 1e90;  ///< beyond it, products could overflow
 constexpr std::size_t kMostPlanes = 64;
 
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 double largestOf(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "culling/core/sum_abs.h"
 #include "culling/occluders/closed_parts.h"
 #include "culling/occluders/convex_hull.h"
 
@@ -28,8 +29,6 @@ struct HalfSpace {
   glm::dvec3 normal;  ///< outwards
   double offset;      ///< normal . x <= offset
 };
-
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 double mostAlong(const glm::dvec3& axis, std::span<const glm::dvec3> points) {
   double most = -std::numeric_limits<double>::infinity();

@@ -12,20 +12,6 @@ namespace {
 
 constexpr double kMostCoordinate = 1e15;  ///< metres; beyond it nothing is proven
 
-double surfaceOf(const Box& box) {
-  const glm::dvec3 d = box.max - box.min;
-  return d.x * d.y + d.y * d.z + d.z * d.x;
-}
-
-glm::dvec3 toWorld(const std::array<double, 12>& m, const glm::vec3& p) {
-  glm::dvec3 world;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double* row = m.data() + 4 * static_cast<std::ptrdiff_t>(axis);
-    world[axis] = row[0] * double{p.x} + row[1] * double{p.y} + row[2] * double{p.z} + row[3];
-  }
-  return world;
-}
-
 /// Of a coordinate: four terms, at most 4 units of their sum (docs/error-model/solids.md §2).
 double roundingOf(const std::array<double, 12>& m, const Box& box_mesh) {
   const glm::dvec3 p = glm::max(glm::abs(box_mesh.min), glm::abs(box_mesh.max));
@@ -58,7 +44,7 @@ SolidParts SolidParts::of(const SceneSnapshot& scene) {
 
 void SolidParts::keepLargest() {
   std::stable_sort(parts_.begin(), parts_.end(), [](const SolidPart& a, const SolidPart& b) {
-    return surfaceOf(a.box_world) > surfaceOf(b.box_world);
+    return halfArea(a.box_world) > halfArea(b.box_world);
   });
   if (parts_.size() > kMostParts) parts_.resize(kMostParts);
 }
@@ -89,7 +75,7 @@ void SolidParts::appendTriangles(const SolidPart& part, std::vector<WorldTriangl
     const auto& corner = mesh.triangles[t];
     WorldTriangle triangle;
     for (std::size_t c = 0; c < 3; ++c) {
-      triangle[c] = toWorld(instance.world_from_mesh, mesh.positions[corner[c]]);
+      triangle[c] = toWorld(instance.world_from_mesh, glm::dvec3(mesh.positions[corner[c]]));
     }
     out.push_back(triangle);
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "culling/core/sum_abs.h"
 #include "culling/spatial/wide_bvh_fit.h"
 
 namespace culld {
@@ -26,8 +27,6 @@ float toFloat(double x) {
 }
 
 float toFloatUp(double x) { return toFloat(x * kFloatUp + kUnderflowSlack); }
-
-double sumAbs(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 double largest(const glm::dvec4& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});

@@ -6,6 +6,10 @@
 namespace culld {
 namespace {
 
+struct Planes {
+  std::ptrdiff_t first, last;
+};
+
 /// Calls take(row, word, mask) for the words of a range until it returns false. Returns false then.
 template <typename Take>
 bool forEachWord(const VoxelRange& range, const Take& take) {
@@ -50,39 +54,39 @@ Box VoxelGrid::boundsOf(const VoxelRange& range) const noexcept {
   return box;
 }
 
-VoxelRange VoxelGrid::touching(const Box& box) const noexcept {
+/// The voxels between the planes that `planes_of` names for each axis; none if it names none.
+template <typename PlanesOf>
+VoxelRange VoxelGrid::axisByAxis(const Box& box, const PlanesOf& planes_of) const noexcept {
   VoxelRange range;
   for (int axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<std::size_t>(axis);
-    const std::vector<double>& p = planes_[a];
-    const double low = box.min[axis], high = box.max[axis];
-    // The voxel before the first plane that is not below `low` ends on or beyond it.
-    const auto below = std::partition_point(p.begin(), p.end(), [&](double x) { return x < low; });
-    const auto above =
-        std::partition_point(p.begin(), p.end(), [&](double x) { return !(x > high); });
-    const auto first = static_cast<std::size_t>(below - p.begin());
-    const auto last = static_cast<std::size_t>(above - p.begin());
-    range.first[a] = static_cast<std::uint32_t>(first == 0 ? 0 : first - 1);
-    range.last[a] = static_cast<std::uint32_t>(std::min(last, p.size() - 1));
-    if (first == p.size() || last == 0) return {};
+    const Planes planes = planes_of(planes_[a], box.min[axis], box.max[axis]);
+    if (planes.last <= planes.first) return {};
+    range.first[a] = static_cast<std::uint32_t>(planes.first);
+    range.last[a] = static_cast<std::uint32_t>(planes.last);
   }
   return range;
 }
 
+VoxelRange VoxelGrid::touching(const Box& box) const noexcept {
+  return axisByAxis(box, [](const std::vector<double>& p, double low, double high) {
+    // The voxel before the first plane that is not below `low` ends on or beyond it.
+    const auto below = std::partition_point(p.begin(), p.end(), [&](double x) { return x < low; });
+    const auto above =
+        std::partition_point(p.begin(), p.end(), [&](double x) { return !(x > high); });
+    if (below == p.end() || above == p.begin()) return Planes{0, 0};
+    const auto first = below - p.begin(), last = above - p.begin();
+    return Planes{first == 0 ? 0 : first - 1, std::min(last, std::ssize(p) - 1)};
+  });
+}
+
 VoxelRange VoxelGrid::within(const Box& box) const noexcept {
-  VoxelRange range;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto a = static_cast<std::size_t>(axis);
-    const std::vector<double>& p = planes_[a];
-    const double low = box.min[axis], high = box.max[axis];
+  return axisByAxis(box, [](const std::vector<double>& p, double low, double high) {
     const auto first =
         std::partition_point(p.begin(), p.end(), [&](double x) { return !(x >= low); });
     const auto end = std::partition_point(p.begin(), p.end(), [&](double x) { return x <= high; });
-    if (end - first < 2) return {};
-    range.first[a] = static_cast<std::uint32_t>(first - p.begin());
-    range.last[a] = static_cast<std::uint32_t>(end - p.begin() - 1);
-  }
-  return range;
+    return Planes{first - p.begin(), end - p.begin() - 1};
+  });
 }
 
 std::size_t VoxelGrid::bytes() const noexcept {

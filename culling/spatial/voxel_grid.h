@@ -46,6 +46,9 @@ class VoxelGrid {
   std::size_t bytes() const noexcept;
 
  private:
+  template <typename PlanesOf>
+  VoxelRange axisByAxis(const Box& box, const PlanesOf& planes_of) const noexcept;
+
   std::array<std::vector<double>, 3> planes_;
 };
 
