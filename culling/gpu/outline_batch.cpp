@@ -45,8 +45,8 @@ void OutlineBatch::add(const ConvexOutline& outline, const CellGrid& grid) {
   }
   for (std::uint32_t p = 0; p < outline.plane_count; ++p) {
     const double terms = termsOf(outline.planes[p], grid);
-    if (!(terms <
-          kMostPlaneTerms)) {  // a plane too few would promise too much: then the floor alone
+    if (!(terms < kMostPlaneTerms)) {
+      // A plane too few would promise too much: then the floor alone.
       lines.resize(head.first_line + head.sides);
       head.planes = 0;
       break;

@@ -1,5 +1,5 @@
 // Convex outlines (culling/raster/convex_outline.h) as a shader wants them: lines and planes over
-// the whole grid, rounded to floats on the safe side. docs/error-model/gpu.md §1 proves how.
+// the whole grid, rounded to floats on the safe side. docs/error-model/gpu.md §2 proves how.
 #pragma once
 #include <cstddef>
 #include <cstdint>
