@@ -1,6 +1,9 @@
 // The bytes of one client: a socket of either family, plain or under TLS, as one kind of stream, so
 // that HTTP and WebSocket are written and compiled once. Beast's timeouts are those of the socket.
 #pragma once
+#include <array>
+#include <boost/asio/any_completion_handler.hpp>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -39,13 +42,15 @@ class ClientStream {
   const PlainStream& next_layer() const { return const_cast<ClientStream*>(this)->next_layer(); }
   bool tls() const noexcept { return std::holds_alternative<TlsStream>(stream_); }
 
+  /// `handler` takes an ErrorCode and a std::size_t. What it is made of ends here: TLS and sockets
+  /// are compiled once, in client_stream.cpp, not again for every operation of HTTP and WebSocket.
   template <typename Buffers, typename Handler>
   void async_read_some(const Buffers& buffers, Handler&& handler) {
-    visit([&](auto& stream) { stream.async_read_some(buffers, std::forward<Handler>(handler)); });
+    readSome(fewOf<boost::asio::mutable_buffer>(buffers), std::forward<Handler>(handler));
   }
   template <typename Buffers, typename Handler>
   void async_write_some(const Buffers& buffers, Handler&& handler) {
-    visit([&](auto& stream) { stream.async_write_some(buffers, std::forward<Handler>(handler)); });
+    writeSome(fewOf<boost::asio::const_buffer>(buffers), std::forward<Handler>(handler));
   }
 
   /// Agrees on keys; of a plain stream nothing is asked. `handler` takes an ErrorCode.
@@ -78,6 +83,28 @@ class ClientStream {
   }
 
  private:
+  using Transferred = boost::asio::any_completion_handler<void(ErrorCode, std::size_t)>;
+  /// As many buffers as a call takes at once, the unused ones empty.
+  template <typename Buffer>
+  using FewBuffers = std::array<Buffer, 8>;
+
+  /// The first of `buffers` that are not empty: "some" may always be less than all.
+  template <typename Buffer, typename Buffers>
+  static FewBuffers<Buffer> fewOf(const Buffers& buffers) {
+    FewBuffers<Buffer> few;
+    std::size_t used = 0;
+    const auto end = boost::asio::buffer_sequence_end(buffers);
+    for (auto at = boost::asio::buffer_sequence_begin(buffers); at != end && used < few.size();
+         ++at) {
+      const Buffer buffer = *at;
+      if (buffer.size() > 0) few[used++] = buffer;
+    }
+    return few;
+  }
+
+  void readSome(const FewBuffers<boost::asio::mutable_buffer>& buffers, Transferred handler);
+  void writeSome(const FewBuffers<boost::asio::const_buffer>& buffers, Transferred handler);
+
   template <typename Visitor>
   void visit(Visitor&& visitor) {
     if (TlsStream* tls = std::get_if<TlsStream>(&stream_)) return visitor(*tls);

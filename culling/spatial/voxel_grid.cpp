@@ -10,17 +10,23 @@ struct Planes {
   std::ptrdiff_t first, last;
 };
 
-/// Calls take(row, word, mask) for the words of a range until it returns false. Returns false then.
-template <typename Take>
-bool forEachWord(const VoxelRange& range, const Take& take) {
+/// Calls take(word, mask) for the words of a range until it returns false. Returns false then.
+template <typename Bits, typename Take>
+bool forEachWord(Bits& bits, const VoxelRange& range, const Take& take) {
   if (range.empty()) return true;
   const std::uint32_t first = range.first[0] / VoxelBits::kWordBits;
   const std::uint32_t last = (range.last[0] - 1) / VoxelBits::kWordBits;
+  const auto first_mask = VoxelBits::mask(first, range.first[0], range.last[0]);
+  const auto last_mask = VoxelBits::mask(last, range.first[0], range.last[0]);
   for (std::uint32_t z = range.first[2]; z < range.last[2]; ++z) {
     for (std::uint32_t y = range.first[1]; y < range.last[1]; ++y) {
-      for (std::uint32_t w = first; w <= last; ++w) {
-        if (!take(y, z, w, VoxelBits::mask(w, range.first[0], range.last[0]))) return false;
+      const auto row = bits.row(y, z);
+      if (!take(row[first], first_mask)) return false;
+      if (first == last) continue;
+      for (std::uint32_t w = first + 1; w < last; ++w) {
+        if (!take(row[w], ~VoxelBits::Word{0})) return false;
       }
+      if (!take(row[last], last_mask)) return false;
     }
   }
   return true;
@@ -108,15 +114,15 @@ VoxelBits::Word VoxelBits::mask(std::uint32_t word, std::uint32_t first,
 }
 
 void VoxelBits::fill(const VoxelRange& range) noexcept {
-  forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
-    row(y, z)[w] |= mask;
+  forEachWord(*this, range, [](Word& word, Word mask) {
+    word |= mask;
     return true;
   });
 }
 
 void VoxelBits::clear(const VoxelRange& range) noexcept {
-  forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
-    row(y, z)[w] &= ~mask;
+  forEachWord(*this, range, [](Word& word, Word mask) {
+    word &= ~mask;
     return true;
   });
 }
@@ -136,15 +142,11 @@ void VoxelBits::subtract(const VoxelBits& other) noexcept {
 }
 
 bool VoxelBits::any(const VoxelRange& range) const noexcept {
-  return !forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
-    return (row(y, z)[w] & mask) == 0;
-  });
+  return !forEachWord(*this, range, [](Word word, Word mask) { return (word & mask) == 0; });
 }
 
 bool VoxelBits::every(const VoxelRange& range) const noexcept {
-  return forEachWord(range, [&](std::uint32_t y, std::uint32_t z, std::uint32_t w, Word mask) {
-    return (row(y, z)[w] & mask) == mask;
-  });
+  return forEachWord(*this, range, [](Word word, Word mask) { return (word & mask) == mask; });
 }
 
 std::uint64_t VoxelBits::count() const noexcept {

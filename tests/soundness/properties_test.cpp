@@ -19,7 +19,7 @@ using scenes::CameraSpec;
 using scenes::Model;
 using scenes::Rows;
 
-constexpr std::uint64_t kSeeds = scenes::rounds(120);
+constexpr std::uint64_t kSeeds = scenes::rounds(48);
 
 /// Not so far out that moving the scene would round away what can be seen.
 Model usualModel(std::uint64_t seed) {

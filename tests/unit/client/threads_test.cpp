@@ -246,9 +246,9 @@ TEST(Threads, MayAllUseOneConnectionWhileItComesAndGoes) {
   options.timeouts.connect = 300ms;
   options.reconnect = {true, 1ms, 2ms, 1.0, 0.5, 3};
   Script server(std::move(plays));
+  std::atomic<int> answered = 0;  // outlives the client, which may call back until it is gone
   const Client client(server.address(), options);
   ASSERT_NE(client.view, nullptr);
-  std::atomic<int> answered = 0;
   std::vector<std::thread> threads;
   for (int t = 0; t < 3; ++t) {
     threads.emplace_back([&] {
