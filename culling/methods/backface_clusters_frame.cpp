@@ -64,7 +64,7 @@ void BackfaceClustersFrame::drawOccluders() {
 void BackfaceClustersFrame::draw(const ImageItem& item) {
   const Instance& instance = scene_.scene.instance(item.ref.objectId());
   const Mesh& mesh = scene_.scene.mesh(instance.mesh);
-  if (triangles_left_ == 0) return;
+  if (mesh.blocking_triangles / 2 > triangles_left_) return;  // about half of it turns away
   if (!worthDrawing(item.rect, mesh.positions.size(), mesh.blocking_triangles)) return;
   const FacingClusters& clusters = scene_.clusters[instance.mesh];
   SheetObject object =
