@@ -15,7 +15,6 @@ constexpr float kLeastColumns = 3.0F;
 constexpr float kLeastRows = 3.0F;
 constexpr float kTrianglesPerCell = 0.125F;  ///< more detail than cells is not worth drawing
 constexpr float kVerticesPerCell = 4.0F;     ///< as all of a mesh's vertices are transformed
-constexpr std::uint32_t kItemsPerLook = 16;  ///< items between two looks at the clock
 
 // Nanoseconds of counted work, measured (docs/methods/horizon.md).
 constexpr std::uint64_t kFrameNs = 3'000, kNodeNs = 150, kLookNs = 3;
@@ -38,7 +37,7 @@ HorizonWalk::HorizonWalk(const SceneSnapshot& scene, const WideBvh& bvh, const C
     : scene_(scene),
       bvh_(bvh),
       deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       parts_(parts),
       memory_(memory),
       frustum_(camera, bvh),
@@ -154,11 +153,12 @@ void HorizonWalk::addOccluder(const HorizonItem& item) {
       sheetObjectOf(scene_, instance, item.nearest, SheetParts::kBlocking, memory_.surfaces);
   const SkylineWork work = memory_.skyline.append(object, view_, origin_world_,
                                                   parts_.slice_columns, deadline_, memory_.slices);
-  if (work.out_of_time) in_time_ = false;
   ++stats_.occluders_drawn;
   stats_.triangles_drawn += work.triangles;
-  drawing_ns_ += kVertexNs * mesh.positions.size() + kTriangleNs * mesh.blocking_triangles +
-                 kTurnedNs * work.triangles + kMarkNs * work.marks;
+  const std::uint64_t work_ns = kVertexNs * mesh.positions.size() +
+                                kTriangleNs * mesh.blocking_triangles + kTurnedNs * work.triangles +
+                                kMarkNs * work.marks;
+  budget_.drew({work.triangles, work_ns, work.out_of_time});
   queueSlices(first);
 }
 
@@ -186,13 +186,8 @@ void HorizonWalk::keepTheRest(Answer& answer) {
   answer.out_of_budget = true;
 }
 
-std::chrono::nanoseconds HorizonWalk::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited +
-                                  kLookNs * memory_.horizon.looks() + drawing_ns_);
-}
-
-bool HorizonWalk::mayGoOn() const {
-  return !deadline_.passed() && (most_work_.count() == 0 || work() < most_work_);
+std::uint64_t HorizonWalk::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kLookNs * memory_.horizon.looks();
 }
 
 void HorizonWalk::run(Answer& answer) {
@@ -201,16 +196,13 @@ void HorizonWalk::run(Answer& answer) {
     push({everything, std::numeric_limits<float>::infinity(), ChildRef::node(root),
           frustum_.planes(), false});
   }
-  for (std::uint32_t taken = 0; in_time_ && !memory_.queue.empty(); ++taken) {
-    if (taken % kItemsPerLook == 0) in_time_ = mayGoOn();
-    if (in_time_) takeNearest(answer);
-  }
+  while (!memory_.queue.empty() && budget_.mayGoOn(countedNs())) takeNearest(answer);
   if (memory_.queue.empty()) {
     stats_.in_frustum = in_frustum_;
   } else {
     keepTheRest(answer);
   }
-  stats_.work = work();
+  stats_.work = budget_.work(countedNs());
   answer.stats = stats_;
 }
 

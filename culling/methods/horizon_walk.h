@@ -12,6 +12,7 @@
 #include "culling/raster/sheet_skyline.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/wide_bvh.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -73,23 +74,20 @@ class HorizonWalk {
   bool hidden(const HorizonItem& item);
   void push(const HorizonItem& item);
   HorizonItem pop();
-  bool mayGoOn() const;
-  std::chrono::nanoseconds work() const;
+  std::uint64_t countedNs() const;  ///< work beside drawing
 
   const SceneSnapshot& scene_;
   const WideBvh& bvh_;
   const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   const HorizonParts& parts_;
   HorizonMemory& memory_;
   FrustumTest frustum_;
   CellView view_;
   BoxView box_view_;
   glm::dvec3 origin_world_;
-  bool in_time_ = true;
   CullStats stats_;
   std::uint32_t in_frustum_ = 0;  ///< objects found so far, those below hidden nodes too
-  std::uint64_t drawing_ns_ = 0;  ///< counted work of all occluders, priced
 };
 
 }  // namespace culld
