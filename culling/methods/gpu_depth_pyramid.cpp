@@ -25,7 +25,7 @@ std::uint64_t nextKey() {
   return ++last;
 }
 
-class GpuDepthPyramidCuller final : public Culler, public HoldsBoxes {
+class GpuDepthPyramidCuller final : public Culler {
  public:
   GpuDepthPyramidCuller(PreparedBoxes boxes, SharedOccluders occluders,
                         const GpuDepthPyramidParts& parts, const Clock& clock)
@@ -57,7 +57,6 @@ class GpuDepthPyramidCuller final : public Culler, public HoldsBoxes {
   std::size_t preparedBytes() const noexcept override {
     return boxes_.bytes() + occluders_->bytes();
   }
-  const PreparedBoxes* boxes() const noexcept override { return &boxes_; }
 
   static Result<std::unique_ptr<Culler>> around(Result<PreparedBoxes> boxes,
                                                 SharedOccluders occluders,
