@@ -55,6 +55,7 @@ using GlProc = void (*)();
 // clang-format on
 
 struct GlTable {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a declarator has them where they may be
 #define CULLD_GL_MEMBER(name, result, parameters) result(*name) parameters = nullptr;
   CULLD_GL_FUNCTIONS(CULLD_GL_MEMBER)
 #undef CULLD_GL_MEMBER

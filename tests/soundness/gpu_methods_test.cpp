@@ -151,7 +151,7 @@ TEST_F(GpuMethods, LackNothingAfterEdits) {
     SnapshotPtr scene = scenes::randomScene(seed);
     std::vector<PreparedMethod> methods = prepare(scene, seed);
     const Camera camera = cameraOf(scenes::randomCameras(seed, *scene, 1)[0], true);
-    for (std::uint32_t step = 0; step < 4; ++step) {
+    for (std::uint64_t step = 0; step < 4; ++step) {
       const auto id = static_cast<ObjectId>((seed * 7 + step * 13) % scene->objectCount());
       const auto to = static_cast<ObjectId>((seed * 11 + step * 5) % scene->objectCount());
       if (scene->instance(id).removed) continue;

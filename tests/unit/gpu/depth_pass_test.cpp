@@ -219,7 +219,7 @@ TEST_F(DepthPassTest, LinesOfZerosCoverNothing) {
   std::vector<float> cells;
   pass.readPyramid(cells);
   ASSERT_TRUE(lease.value().check().ok());
-  for (std::size_t i = 0; i < 64U * 64U; ++i) {
+  for (std::size_t i = 0; i < std::size_t{64} * 64; ++i) {
     ASSERT_EQ(cells[i], 0.0F) << i;
     ASSERT_EQ(reference.pyramid()[i], 0.0F) << i;
   }
@@ -244,8 +244,8 @@ TEST_F(DepthPassTest, FragmentsOutsideTheRectangleCoverNothing) {
   }
   ASSERT_TRUE(lease.value().check().ok());
   std::size_t covered = 0;
-  for (std::uint32_t y = 0; y < 64; ++y) {
-    for (std::uint32_t x = 0; x < 64; ++x) {
+  for (std::size_t y = 0; y < 64; ++y) {
+    for (std::size_t x = 0; x < 64; ++x) {
       if (!(cells[y * 64 + x] > 0.0F)) continue;
       ++covered;
       ASSERT_TRUE(x >= 8 && x < 24 && y >= 4 && y < 24) << x << ", " << y;
