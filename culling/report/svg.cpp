@@ -8,14 +8,21 @@
 namespace culld::report {
 namespace {
 
-constexpr std::array<Style, 7> kStyles{{{"#0072b2", "", 0},
-                                        {"#d55e00", "7 3", 1},
-                                        {"#009e73", "2 3", 2},
-                                        {"#cc79a7", "9 3 2 3", 3},
-                                        {"#e69f00", "4 2", 4},
-                                        {"#56b4e9", "1 2", 5},
-                                        {"#6b5b00", "12 4", 6}}};
-constexpr Style kRing{"#222222", "3 2", -1};
+constexpr std::array<Style, kStyles> kAllStyles{{{"#0072b2", "", 0, false},
+                                                 {"#d55e00", "7 3", 1, false},
+                                                 {"#009e73", "2 3", 2, false},
+                                                 {"#cc79a7", "9 3 2 3", 3, false},
+                                                 {"#e69f00", "4 2", 4, false},
+                                                 {"#56b4e9", "1 2", 5, false},
+                                                 {"#6b5b00", "12 4", 6, false},
+                                                 {"#0072b2", "7 3", 3, true},
+                                                 {"#d55e00", "", 4, true},
+                                                 {"#009e73", "9 3 2 3", 5, true},
+                                                 {"#cc79a7", "4 2", 6, true},
+                                                 {"#e69f00", "12 4", 0, true},
+                                                 {"#56b4e9", "7 3", 1, true},
+                                                 {"#6b5b00", "2 3", 2, true}}};
+constexpr Style kRing{"#222222", "3 2", -1, true};
 
 std::string printed(const char* format, double value) {
   std::array<char, 64> text{};
@@ -211,13 +218,15 @@ double Axis::at(double value) const {
 }
 
 Style styleOf(std::size_t series) {
-  return series == kRingStyle ? kRing : kStyles[series % kStyles.size()];
+  return series == kRingStyle ? kRing : kAllStyles[series % kStyles];
 }
 
 std::string marker(std::size_t series, double x, double y, double r) {
   const Style style = styleOf(series);
   const std::string color = style.color;
-  const std::string look = " fill=\"" + color + "\" stroke=\"#fff\" stroke-width=\"1\"";
+  const std::string look = style.hollow
+                               ? " fill=\"#fff\" stroke=\"" + color + "\" stroke-width=\"1.6\""
+                               : " fill=\"" + color + "\" stroke=\"#fff\" stroke-width=\"1\"";
   const std::string center = " cx=\"" + coordinate(x) + "\" cy=\"" + coordinate(y) + "\"";
   switch (style.shape) {
     case -1:

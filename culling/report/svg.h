@@ -69,8 +69,11 @@ struct Style {
   const char* color;
   const char* dash;  ///< stroke-dasharray; "" is a solid line
   int shape;
+  bool hollow;  ///< the marker is an outline
 };
-/// The first ones differ most. The colours are Okabe and Ito's, for all kinds of colour vision.
+inline constexpr std::size_t kStyles = 14;  ///< before they come again
+/// The first ones differ most; from the eighth on colours come again, with hollow markers. The
+/// colours are Okabe and Ito's, for all kinds of colour vision.
 Style styleOf(std::size_t series);
 /// The style of a choice among the other series: a ring that lets them be seen through it.
 inline constexpr std::size_t kRingStyle = 1000;

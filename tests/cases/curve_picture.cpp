@@ -16,6 +16,7 @@ using report::coordinate;
 using report::escaped;
 
 constexpr double kPanelWidth = 300, kPanelHeight = 200, kLeft = 62, kTop = 58, kBottom = 70;
+constexpr double kLegendWidth = 150, kLegendLine = 17;
 constexpr double kNever = 14;  // pixels above the plot, for what is not left out at all
 
 struct Panel {
@@ -143,7 +144,8 @@ std::vector<Panel> panelsOf(const Curve& curve) {
 
 std::string pictureOf(const Curve& curve) {
   const std::vector<Panel> panels = panelsOf(curve);
-  const double width = 20 + static_cast<double>(panels.size()) * (kPanelWidth + kLeft + 14);
+  const double width =
+      static_cast<double>(panels.size()) * (kPanelWidth + kLeft + 14) + kLegendWidth;
   const double height = kTop + kPanelHeight + kBottom;
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + coordinate(width) +
                     "\" height=\"" + coordinate(height) +
@@ -158,13 +160,11 @@ std::string pictureOf(const Curve& curve) {
   if (!family.unit.empty()) quantity += " (" + std::string(family.unit) + ")";
   svg += text(kLeft, 18, std::string(family.name) + ": objects missed " + std::to_string(missed),
               " font-size=\"13\"");
-  double x = width - 20;
   const auto& methods = curve.steps.front().run.methods;
-  for (std::size_t m = methods.size(); m-- > 0;) {
-    svg += text(x, 18, methods[m].method, " text-anchor=\"end\"");
-    x -= 12.0 + 7.0 * static_cast<double>(methods[m].method.size());
-    svg += report::marker(m, x, 14, 4) + "\n";
-    x -= 14.0;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    const double y = kTop + kLegendLine * static_cast<double>(m);
+    svg += report::marker(m, width - kLegendWidth + 6, y, 4) + "\n";
+    svg += text(width - kLegendWidth + 18, y + 4, methods[m].method);
   }
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const double left = kLeft + static_cast<double>(p) * (kPanelWidth + kLeft + 14);

@@ -108,10 +108,18 @@ TEST(Escaped, LeavesNoMarkupAndNoBrokenCharacters) {
 }
 
 TEST(Marker, DiffersInShapeAndColourBetweenSeries) {
-  for (std::size_t a = 0; a < 7; ++a) {
-    for (std::size_t b = a + 1; b < 7; ++b) {
-      EXPECT_STRNE(styleOf(a).color, styleOf(b).color);
-      EXPECT_NE(styleOf(a).shape, styleOf(b).shape);
+  for (std::size_t a = 0; a < kStyles; ++a) {
+    for (std::size_t b = a + 1; b < kStyles; ++b) {
+      const Style one = styleOf(a), other = styleOf(b);
+      const bool same_color = std::string_view(one.color) == other.color;
+      EXPECT_EQ(same_color, b - a == 7) << a << " " << b;
+      if (same_color) {
+        EXPECT_STRNE(one.dash, other.dash) << a << " " << b;
+      }
+      if (same_color || one.shape == other.shape) {
+        EXPECT_NE(one.hollow, other.hollow) << a << " " << b;
+      }
+      EXPECT_NE(marker(a, 0, 0, 4), marker(b, 0, 0, 4)) << a << " " << b;
     }
   }
 }
