@@ -44,7 +44,8 @@ constexpr const char* kHead =
     "time_us_low,time_us_mean,time_us_high,camera_us_min,camera_us_median,camera_us_p95,"
     "camera_us_max,relative_time,relative_time_min,work_us,relative_work,out_of_budget,left_out_by_"
     "frustum,"
-    "left_out_by_occlusion,occlusion_extra_us,nodes_visited,tested,plane_tests,occluders_drawn,"
+    "left_out_by_occlusion,occlusion_extra_us,nodes_visited,tested,plane_tests,"
+    "depth_comparisons,occluders_drawn,"
     "triangles_drawn,lossy,said_px,lossy_missed_px,exceeded\n";
 
 std::string rowOf(const SceneFigures& scene, const BenchRun& run) {
@@ -69,7 +70,10 @@ std::string rowOf(const SceneFigures& scene, const BenchRun& run) {
   row.number(sum.relative).number(sum.relative_min);
   row.number(sum.work_us).number(sum.relative_work).number(sum.out_of_budget);
   row.number(sum.outside).number(sum.occluded).number(sum.extra_us);
-  row.number(sum.nodes_visited).number(sum.tested).number(sum.plane_tests);
+  row.number(sum.nodes_visited)
+      .number(sum.tested)
+      .number(sum.plane_tests)
+      .number(sum.depth_comparisons);
   row.number(sum.occluders_drawn).number(sum.triangles_drawn);
   row.count(sum.lossy).number(sum.said_px).number(sum.lossy_missed_px).count(sum.exceeded);
   return row.line();

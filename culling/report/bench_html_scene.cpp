@@ -58,7 +58,7 @@ class Cells {
   std::string html_;
 };
 
-constexpr std::array<const char*, 22> kHeads{
+constexpr std::array<const char*, 23> kHeads{
     "<th class=\"l\">method</th>",
     "<th class=\"l\">setting</th>",
     "<th class=\"l\">guarantee</th>",
@@ -78,6 +78,7 @@ constexpr std::array<const char*, 22> kHeads{
     "<th>nodes<small>visited</small></th>",
     "<th>objects<small>tested</small></th>",
     "<th>planes<small>tested</small></th>",
+    "<th>depths<small>compared</small></th>",
     "<th>occluders<small>drawn</small></th>",
     "<th>triangles<small>drawn</small></th>",
     "<th>answer<small>whole / as a change</small></th>"};
@@ -108,7 +109,10 @@ std::string rowOf(const SceneRows& rows, std::size_t i) {
              shortTime(sum.cameras_us.p95) + " / " + shortTime(sum.cameras_us.max));
   cells.number(sum.relative).number(sum.relative_min).number(sum.relative_work);
   cells.text(percent(sum.out_of_budget));
-  cells.number(sum.nodes_visited).number(sum.tested).number(sum.plane_tests);
+  cells.number(sum.nodes_visited)
+      .number(sum.tested)
+      .number(sum.plane_tests)
+      .number(sum.depth_comparisons);
   cells.number(sum.occluders_drawn).number(sum.triangles_drawn);
   cells.text(shortBytes(sum.answer_bytes) + " / " + shortBytes(sum.change_bytes));
   return cells.row();

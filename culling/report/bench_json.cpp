@@ -53,6 +53,7 @@ Json summaryJson(const RunSummary& sum) {
             {"nodes_visited", sum.nodes_visited},
             {"tested", sum.tested},
             {"plane_tests", sum.plane_tests},
+            {"depth_comparisons", sum.depth_comparisons},
             {"occluders_drawn", sum.occluders_drawn},
             {"triangles_drawn", sum.triangles_drawn}}}};
 }

@@ -149,6 +149,8 @@ RunSummary summaryOf(const SceneFigures& scene, const BenchRun& run) {
   sum.tested = means.of([](const auto& c) { return c.stats.tested; });
   sum.plane_tests =
       means.of([](const auto& c) { return static_cast<double>(c.stats.plane_tests); });
+  sum.depth_comparisons =
+      means.of([](const auto& c) { return static_cast<double>(c.stats.depth_comparisons); });
   sum.occluders_drawn = means.of([](const auto& c) { return c.stats.occluders_drawn; });
   sum.triangles_drawn = means.of([](const auto& c) { return c.stats.triangles_drawn; });
   const double by_frustum = Means(baseline.cameras).of([](const auto& c) { return c.answered; });

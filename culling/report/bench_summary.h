@@ -29,7 +29,7 @@ struct RunSummary {
   std::optional<double> relative_work;  ///< to the baseline's
   std::string made_by;                  ///< "raster 75 %, frustum 25 %", if the method chooses
   double nodes_visited = 0.0, tested = 0.0, occluders_drawn = 0.0, triangles_drawn = 0.0;
-  double plane_tests = 0.0;
+  double plane_tests = 0.0, depth_comparisons = 0.0;
   /// What the stages brought, in objects: left out by the frustum alone, and further by the method,
   /// which took it so many microseconds more.
   double outside = 0.0, occluded = 0.0, extra_us = 0.0;

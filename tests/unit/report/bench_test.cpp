@@ -133,19 +133,21 @@ TEST_F(Bench, SaysSoInTheFirstLineOfEveryReport) {
   EXPECT_FALSE(json.at("guarantees_held").get<bool>());
 }
 
-TEST_F(Bench, ReportsThePlanesThatWereTested) {
+TEST_F(Bench, ReportsThePlanesThatWereTestedAndTheDepthsCompared) {
   const ScriptedMethod counts("frustum", Guarantee::kConservative,
                               [](const Camera&, const Demand&) {
                                 Answer answer;
                                 answer.visible = {0, 1, 2, 3, 4};
                                 answer.stats.plane_tests = 4711;
+                                answer.stats.depth_comparisons = 815;
                                 return answer;
                               });
   const BenchReport report = reportOf({&counts});
   const auto json = nlohmann::json::parse(benchJson(report));
   EXPECT_EQ(json.at("scenes").at(0).at("runs").at(0).at("work").at("plane_tests"), 4711.0);
+  EXPECT_EQ(json.at("scenes").at(0).at("runs").at(0).at("work").at("depth_comparisons"), 815.0);
   const std::string csv = benchCsv(report);
-  EXPECT_NE(csv.find(",tested,plane_tests,"), std::string::npos);
+  EXPECT_NE(csv.find(",tested,plane_tests,depth_comparisons,"), std::string::npos);
   EXPECT_NE(csv.find(",4711,"), std::string::npos);
 }
 
