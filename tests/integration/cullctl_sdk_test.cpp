@@ -242,14 +242,14 @@ TEST_F(SdkTest, LeavesTheSceneAloneWhenOneEditIsWrongOrTheVersionIsAnother) {
 
 TEST_F(SdkTest, HearsOfEditsAndReplacementsByOthers) {
   put("row", rowOfTriangles());
+  std::promise<std::uint64_t> edited;
+  std::promise<std::uint32_t> replaced;
   auto listener = connect("row", unix_);
   auto editor = connect("row", tcp_);
   ASSERT_TRUE(listener != nullptr && editor != nullptr);
   auto view = listener->openView("frustum").value();
   const Camera camera = lookingAt(8.0, 30.0);
   EXPECT_EQ(view.cull(camera).value()->visible, all(kRow));
-  std::promise<std::uint64_t> edited;
-  std::promise<std::uint32_t> replaced;
   listener->onSceneChanged([&](const SceneInfo& scene, bool other) {
     other ? replaced.set_value(scene.objects) : edited.set_value(scene.version);
   });

@@ -148,10 +148,10 @@ TEST(View, CallsBackForEveryFrame) {
     }
     peer.awaitEnd();
   });
-  const Client client(server.address());
-  ASSERT_NE(client.view, nullptr);
   std::vector<std::uint32_t> numbers;
   std::promise<void> third;
+  const Client client(server.address());
+  ASSERT_NE(client.view, nullptr);
   client.view->onFrame([&](const FramePtr& frame) {
     numbers.push_back(frame->number);
     if (frame->number == 3) third.set_value();
@@ -190,9 +190,9 @@ TEST(View, DoesNotReferToFramesOfAReplacedScene) {
     peer.send({id, wholeAnswer(2, {2})});
     peer.awaitEnd();
   });
+  std::promise<SceneInfo> changed;
   const Client client(server.address());
   ASSERT_NE(client.view, nullptr);
-  std::promise<SceneInfo> changed;
   client.connection->onSceneChanged([&](const SceneInfo& scene, bool replaced) {
     EXPECT_TRUE(replaced);
     changed.set_value(scene);

@@ -82,13 +82,13 @@ TEST(Reconnect, OpensViewsUnderTheSameNumberAndAsksTheirLastCameraAgain) {
                    peer.send({next.first, changedAnswer(2, {3, 4}, 1, {3})});
                    peer.awaitEnd();
                  }});
+  std::promise<FramePtr> restarted;
+  std::uint32_t frames = 0;
   auto connection = Connection::open(server.address(), "town", again());
   ASSERT_TRUE(connection.ok()) << connection.error().message;
   States states(*connection.value());
   auto view = connection.value()->openView("frustum", true);
   ASSERT_TRUE(view.ok()) << view.error().message;
-  std::promise<FramePtr> restarted;
-  std::uint32_t frames = 0;
   view.value().onFrame([&](const FramePtr& frame) {
     if (++frames == 2) restarted.set_value(frame);
   });
@@ -291,9 +291,9 @@ TEST(Reconnect, TellsThatTheSceneIsAnotherOne) {
                    peer.greet(5);
                    peer.awaitEnd();
                  }});
+  std::promise<std::pair<SceneInfo, bool>> changed;
   const Client client(server.address(), again());
   ASSERT_NE(client.view, nullptr);
-  std::promise<std::pair<SceneInfo, bool>> changed;
   client.connection->onSceneChanged([&](const SceneInfo& scene, bool replaced) {
     changed.set_value({scene, replaced});
   });
@@ -381,9 +381,9 @@ TEST(Reconnect, TriesOnWhileTheServerIsBusyOrMute) {
                    peer.send({peer.nextCamera().first, wholeAnswer(1, {8})});
                    may_end.wait();
                  }});
+  std::promise<void> back;
   const Client client(server.address(), options);
   ASSERT_NE(client.view, nullptr);
-  std::promise<void> back;
   client.view->onFrame([&](const FramePtr& frame) {
     if (frame->visible == Ids{8}) back.set_value();
   });

@@ -171,6 +171,7 @@ inline ConnectOptions quick() {
   return options;
 }
 
+/// Calls back until it is gone: what a callback refers to is declared before it.
 struct Client {
   explicit Client(const Address& address, const ConnectOptions& options = quick()) {
     auto opened = Connection::open(address, "town", options);

@@ -27,10 +27,11 @@ Script::Play answering(std::uint32_t count) {
 
 TEST(Callbacks, MayAskTheNextCamera) {
   Script server(answering(5));
+  std::promise<std::thread::id> fifth;
+  std::function<void(const Result<FramePtr>&)> next;
   const Client client(server.address());
   ASSERT_NE(client.view, nullptr);
-  std::promise<std::thread::id> fifth;
-  std::function<void(const Result<FramePtr>&)> next = [&](const Result<FramePtr>& frame) {
+  next = [&](const Result<FramePtr>& frame) {
     ASSERT_TRUE(frame.ok());
     if (frame.value()->number == 5) return fifth.set_value(std::this_thread::get_id());
     EXPECT_EQ(client.view->setCamera({}, {}, next), frame.value()->camera + 1);
@@ -43,9 +44,9 @@ TEST(Callbacks, MayAskTheNextCamera) {
 
 TEST(Callbacks, AreRefusedWhatWouldWaitForItself) {
   Script server(answering(1));
+  std::promise<std::vector<Error>> tried;
   const Client client(server.address());
   ASSERT_NE(client.view, nullptr);
-  std::promise<std::vector<Error>> tried;
   client.view->setCamera({}, {}, [&](const Result<FramePtr>&) {
     tried.set_value({client.view->cull({}).error(), client.connection->openView().error(),
                      client.connection->ping().error(),
@@ -69,23 +70,23 @@ TEST(Callbacks, TakeEveryKindOfReply) {
     peer.send({peer.next().id, protocol::Pong{1}});
     peer.awaitEnd();
   });
+  std::promise<View> opened_view;
+  std::promise<Result<EditOutcome>> edited;
+  std::promise<bool> pong;
   std::promise<Result<std::unique_ptr<Connection>>> opened;
   Connection::open(server.address(), "town", quick(),
                    [&](Result<std::unique_ptr<Connection>> c) { opened.set_value(std::move(c)); });
   auto connection = opened.get_future().get();
   ASSERT_TRUE(connection.ok()) << connection.error().message;
-  std::promise<View> opened_view;
   connection.value()->openView(
       "raster", false, [&](Result<View> view) { opened_view.set_value(std::move(view).value()); });
   const View view = opened_view.get_future().get();
   EXPECT_EQ(view.method(), "raster");
-  std::promise<Result<EditOutcome>> edited;
   connection.value()->edit({{protocol::EditKind::kHide, 1, {}}}, 0,
                            [&](Result<EditOutcome> r) { edited.set_value(std::move(r)); });
   const auto outcome = edited.get_future().get();
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(outcome.value().added, Ids{44});
-  std::promise<bool> pong;
   connection.value()->ping(
       [&](const Result<std::chrono::nanoseconds>& time) { pong.set_value(time.ok()); });
   EXPECT_TRUE(pong.get_future().get());
@@ -246,7 +247,7 @@ TEST(Threads, MayAllUseOneConnectionWhileItComesAndGoes) {
   options.timeouts.connect = 300ms;
   options.reconnect = {true, 1ms, 2ms, 1.0, 0.5, 3};
   Script server(std::move(plays));
-  std::atomic<int> answered = 0;  // outlives the client, which may call back until it is gone
+  std::atomic<int> answered = 0;
   const Client client(server.address(), options);
   ASSERT_NE(client.view, nullptr);
   std::vector<std::thread> threads;
