@@ -67,6 +67,9 @@ struct Answer {
   std::vector<ObjectId> visible;  ///< ascending, unique: equal answers are equal bytes
   std::vector<std::uint8_t>
       seen;  ///< per visible object: 1 certainly in E, 0 kept for safety; may be empty
+  /// Per visible object: how many of the image's pixels show it, as far as samples tell; 0 if it
+  /// was not looked for. Empty if the method does not count them.
+  std::vector<float> pixels;
   Guarantee guarantee = Guarantee::kConservative;
   float missed_px = 0.0F;  ///< bound (proven) or estimate of the pixels of E lost
   bool proven = true;

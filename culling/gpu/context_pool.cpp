@@ -14,7 +14,7 @@ constexpr std::size_t kMostRefusals = 256;  ///< calls between two tries
 /// to any other, and the driver frees them with the context.
 void deleteNothing(GlTable& gl) {
   const auto nothing = [](int, const unsigned*) {};
-  gl.DeleteBuffers = gl.DeleteFramebuffers = gl.DeleteVertexArrays = nothing;
+  gl.DeleteBuffers = gl.DeleteFramebuffers = gl.DeleteTextures = gl.DeleteVertexArrays = nothing;
   gl.DeleteProgram = gl.DeleteShader = [](unsigned) {};
 }
 

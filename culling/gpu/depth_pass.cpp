@@ -49,13 +49,13 @@ PyramidLayout pyramidLayout(const CellGrid& grid) noexcept {
 
 DepthPass::DepthPass(const GlTable& gl, std::size_t contexts)
     : gl_(gl),
-      most_resident_bytes_(kResidentBytes / contexts),
       ready_(Done{}),
       heads_(gl),
       lines_(gl),
       pyramid_(gl),
       queries_(gl),
-      hidden_(gl) {
+      hidden_(gl),
+      scenes_(gl, kResidentBytes / contexts) {
   const auto take = [this](Result<Program> made, Program& program) {
     if (made) {
       program = std::move(made).value();
@@ -131,7 +131,7 @@ void DepthPass::test(const BoxView& view, const GroupSource& source,
   const std::size_t words = groupsOf(queries.size(), kQueriesPerWord);
   hidden.assign(words, 0);
   if (queries.empty()) return;
-  const Buffer& groups = resident(source);
+  const Buffer& groups = scenes_.get<BoxGroup>(source.key, source.count, source.fill);
   queries_.upload<GroupQuery>(queries);
   hidden_.reserve(words * sizeof(std::uint32_t));
   const unsigned program = testing_.name();
@@ -155,30 +155,6 @@ void DepthPass::test(const BoxView& view, const GroupSource& source,
   gl_.DispatchCompute(groupsOf(words, kTestGroup), 1, 1);
   gl_.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   hidden_.read(hidden.data(), words * sizeof(std::uint32_t));
-}
-
-const Buffer& DepthPass::resident(const GroupSource& source) {
-  const auto found = std::find_if(scenes_.begin(), scenes_.end(),
-                                  [&](const Resident& r) { return r.key == source.key; });
-  if (found != scenes_.end()) {
-    scenes_.splice(scenes_.begin(), scenes_, found);
-    return found->groups;
-  }
-  const std::size_t bytes = source.count * sizeof(BoxGroup);
-  while (!scenes_.empty() && residentBytes() + bytes > most_resident_bytes_) scenes_.pop_back();
-  std::vector<BoxGroup> groups;
-  groups.reserve(source.count);
-  source.fill(groups);
-  scenes_.push_front({source.key, Buffer(gl_)});
-  scenes_.front().groups.upload<BoxGroup>(groups);
-  ++uploads_;
-  return scenes_.front().groups;
-}
-
-std::size_t DepthPass::residentBytes() const noexcept {
-  std::size_t bytes = 0;
-  for (const Resident& scene : scenes_) bytes += scene.groups.bytes();
-  return bytes;
 }
 
 void DepthPass::readPyramid(std::vector<float>& out) const {

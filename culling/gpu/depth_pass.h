@@ -5,13 +5,13 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <list>
 #include <span>
 #include <vector>
 
 #include "culling/gpu/context_pool.h"
 #include "culling/gpu/outline_batch.h"
 #include "culling/gpu/program.h"
+#include "culling/gpu/resident_scenes.h"
 #include "culling/raster/box_kernels.h"
 
 namespace culld::gpu {
@@ -83,26 +83,18 @@ class DepthPass final : public ContextData {
   /// whatever its size.
   static constexpr std::size_t kResidentBytes = std::size_t{256} << 20U;
 
-  std::size_t residentBytes() const noexcept;
-  std::uint64_t uploads() const noexcept { return uploads_; }
+  std::size_t residentBytes() const noexcept { return scenes_.bytes(); }
+  std::uint64_t uploads() const noexcept { return scenes_.uploads(); }
 
  private:
-  struct Resident {
-    std::uint64_t key;
-    Buffer groups;
-  };
-  const Buffer& resident(const GroupSource& source);
-
   const GlTable& gl_;
-  std::size_t most_resident_bytes_;
   Result<void> ready_;
   Program drawing_, reducing_, testing_;
   Buffer heads_, lines_, pyramid_, queries_, hidden_;
   unsigned framebuffer_ = 0, no_vertices_ = 0;
   CellGrid grid_;
   PyramidLayout layout_;
-  std::list<Resident> scenes_;  ///< last used first
-  std::uint64_t uploads_ = 0;
+  ResidentScenes scenes_;
 };
 
 }  // namespace culld::gpu

@@ -56,6 +56,7 @@ class Buffer {
   /// Each of the first words becomes `value`. REQUIRES: they are there.
   void fill(std::size_t words, std::uint32_t value);
   void bind(unsigned place) const;
+  unsigned name() const noexcept { return name_; }
   std::size_t bytes() const noexcept { return bytes_; }
 
  private:

@@ -5,6 +5,7 @@
 #include "culling/methods/frustum.h"
 #include "culling/methods/gpu_depth_pyramid.h"
 #include "culling/methods/horizon.h"
+#include "culling/methods/item_buffer.h"
 #include "culling/methods/layers.h"
 #include "culling/methods/occluder_volumes.h"
 #include "culling/methods/occlusion_map.h"
@@ -35,6 +36,7 @@ std::span<const Method* const> allMethods() noexcept {
       &horizonMethod(),
       &backfaceClustersMethod(),
       &gpuDepthPyramidMethod(),
+      &itemBufferMethod(),
       &portalsMethod(),
       &automatic,
   };
