@@ -14,6 +14,10 @@ constexpr double kRowPlaces[2] = {0.53125,
 
 constexpr std::size_t kMostCrossings = 1U << 23U;  ///< of one part: 160 MB
 
+/// A part's vertices move no farther than its own coordinates are rounded, times this: what else
+/// the scene holds, far away, closes no gap between its walls.
+constexpr double kSnapRoundings = 16.0;
+
 /// Where a row is crossed: left of the middle of voxel `before`, right of the one before that.
 struct Crossing {
   std::uint32_t y, z, before;
@@ -196,7 +200,7 @@ SolidVoxels strictSolids(const SolidParts& parts, const VoxelGrid& grid, double 
     if (!(part.rounding_m <= 0.5 * snap)) continue;     // too uncertain where it is
     triangles.clear();
     parts.appendTriangles(part, triangles);
-    snapTo(grid, snap, triangles);
+    snapTo(grid, std::min(snap, kSnapRoundings * part.rounding_m), triangles);
     const VoxelRange range = rangeAround(grid, triangles);
     VoxelRange words = range;
     words.first[0] -= words.first[0] % VoxelBits::kWordBits;

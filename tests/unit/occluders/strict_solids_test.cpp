@@ -131,6 +131,19 @@ TEST_F(StrictSolids, ASlitBetweenTwoWallsStaysOpenHoweverNarrow) {
   }
 }
 
+TEST_F(StrictSolids, ASlitStaysOpenWhateverElseIsFarAway) {
+  for (const float slit : {1e-4F, 1e-2F, 0.1F}) {
+    add(scenes::box({-300, -50, -50}, {-slit, 50, 50}));
+    add(scenes::box({0, -50, -50}, {300, 50, 50}));
+    add(scenes::box({100, -60, -60}, {200, 60, 60}));  // cuts the one beside the slit in two
+    add(scenes::box(glm::vec3(-1), glm::vec3(1)), {1e12, 0, 0, 0, 0, 1e12, 0, 0, 0, 0, 1e12, 1e13});
+    const Voxelized v = voxelize();
+    const glm::dvec3 middle(-0.5 * double{slit}, 1.0, 0.5);
+    EXPECT_FALSE(v.voxels.solid.every(v.grid.touching({middle, middle}))) << slit;
+    builder_ = SceneBuilder();
+  }
+}
+
 TEST_F(StrictSolids, APinholeACrackAndATJunctionOpenAPart) {
   Triangles pinhole = scenes::box(glm::vec3(0), glm::vec3(2));
   pinhole.indices.resize(pinhole.indices.size() - 3);
