@@ -76,7 +76,7 @@ Result<SolidOccluders> SolidOccluders::of(const SceneSnapshot& scene, const Soli
   return out.made(std::move(ranges));
 }
 
-/// With boxes for these ranges, pulled in by what rounding may have moved (solids.md §3).
+/// With boxes for these ranges, pulled in by what rounding may have moved (solids.md §2).
 Result<SolidOccluders> SolidOccluders::made(std::vector<VoxelRange> ranges) const {
   SolidOccluders out;
   out.baked_ = baked_;
