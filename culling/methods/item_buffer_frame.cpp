@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace culld {
@@ -17,7 +18,10 @@ constexpr std::uint64_t kManyTriangles = 250'000;
 /// and a normal float up to 1e19 m.
 constexpr double kDepthMetres = 0x1p-60;
 
-/// A sum of terms beyond this may overflow the rasterizer: such an object is answered, not drawn.
+/// Clipping in floats moves a corner by 2^-24 of what is clipped: no farther than the guard band if
+/// the sum of an object's terms is at most so many times its least distance.
+constexpr double kLargestReach = 0x1p22;
+/// And what the rasterizer computes with stays far from overflow.
 constexpr double kLargestTerm = 1e15;
 /// ObjectRows' bounds on errors, in terms.
 constexpr double kErrorOfTerms = 16.0 * 0x1p-53;
@@ -102,15 +106,25 @@ Result<ItemPixels> ItemBufferFrame::run(gpu::ContextPool::Lease& gpu, Answer& an
 void ItemBufferFrame::sortOut(std::span<const ObjectId> found) {
   for (const ObjectId id : found) {
     const Instance& instance = scene_.instance(id);
-    const CellVertexError error = rowsOf(instance).error;
-    const double errors = error.u + error.v + error.w + error.n + error.near_cut + error.far_cut;
-    const bool drawable = errors <= kErrorOfTerms * kLargestTerm;
+    const bool drawable = isDrawable(rowsOf(instance), meshes_.mesh(instance.mesh).largest);
     if (meshes_.mesh(instance.mesh).thin || !drawable) kept_.push_back(id);
     if (!drawable) continue;
     const double sign = view_.front_sign * handedness(instance.world_from_mesh);
     items_.push_back({static_cast<std::int8_t>(sign), instance.mesh, id});
   }
   std::sort(items_.begin(), items_.end());
+}
+
+/// NaN is not.
+bool ItemBufferFrame::isDrawable(const ObjectRows& rows, const glm::dvec3& largest) const {
+  const CellVertexError& e = rows.error;
+  const double terms = (e.u + e.v + e.w + e.n + e.near_cut + e.far_cut) / kErrorOfTerms;
+  const double reach = std::abs(rows.w.x) * largest.x + std::abs(rows.w.y) * largest.y +
+                       std::abs(rows.w.z) * largest.z;
+  const double near = view_.perspective ? -view_.near_cut.w : 0.0;
+  const double distance = std::max(near, rows.w.constant - reach);
+  const double beside = (e.u + e.v + e.w) / kErrorOfTerms;
+  return terms <= kLargestTerm && beside <= kLargestReach * distance;
 }
 
 void ItemBufferFrame::drawAll(gpu::ItemPass& pass) {

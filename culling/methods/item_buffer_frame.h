@@ -56,6 +56,7 @@ class ItemBufferFrame {
   void flush(gpu::ItemPass& pass, gpu::ItemPass::Stage stage);
   ItemPixels report(Answer& answer);
   ObjectRows rowsOf(const Instance& instance) const;
+  bool isDrawable(const ObjectRows& rows, const glm::dvec3& largest) const;
   std::chrono::nanoseconds work() const;
 
   const SceneSnapshot& scene_;

@@ -215,12 +215,13 @@ TEST_F(ItemBuffer, IsExactFarFromTheWorldsOrigin) {
   EXPECT_EQ(there.pixels, here.pixels);
 }
 
-/// A wall so large that some rasterizers lose it, and a square whose vertices lie a thousand
-/// kilometres from their mesh's origin: floats of their sums say nothing about centimetres.
+/// A wall that reaches a million images beside the image, and a square whose vertices lie a
+/// thousand kilometres from their mesh's origin: floats of their sums say nothing about
+/// centimetres.
 TEST_F(ItemBuffer, IsExactNearTheEyeInLargeMeshes) {
   SceneBuilder builder;
   const float large = 1e6F;
-  builder.addInstance(builder.addMesh(meshOf(square(1e9F))), scenes::movedBy({0, 0, -2}), 0);
+  builder.addInstance(builder.addMesh(meshOf(square(2e6F))), scenes::movedBy({0, 0, -2}), 0);
   const MeshId away = builder.addMesh(meshOf(scenes::quad({large, 0, 0}, {1, 0, 0}, {0, 1, 0})));
   builder.addInstance(away, scenes::movedBy({-large - 0.03, -0.03, -1}), 1);
   const Answer answer = look(builder.finish(), cameraAt({0, 0, 0}, {400, 400}));
@@ -273,8 +274,9 @@ TEST_F(ItemBuffer, KeepsWhatItCannotDraw) {
   builder.addInstance(unbounded, scenes::movedBy({0, 0, -5}), 2);
   builder.addInstance(wall, scenes::scaledAndMoved(glm::dvec3(1e16), {0, 0, -5}), 3);
   builder.addInstance(wall, scenes::movedBy({0, 0, -5}), 4);
+  builder.addInstance(builder.addMesh(meshOf(square(1e9F))), scenes::movedBy({0, 0, -2}), 5);
   const Answer answer = look(builder.finish(), cameraAt({0, 0, 0}));
-  EXPECT_EQ(answer.visible, (std::vector<ObjectId>{0, 1, 2, 3}));
+  EXPECT_EQ(answer.visible, (std::vector<ObjectId>{0, 1, 2, 3, 5}));
   EXPECT_EQ(answer.guarantee, Guarantee::kSampled);
   EXPECT_EQ(answer.pixels[1] + answer.pixels[2] + answer.pixels[3], 0.0F);
 }
