@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 #include "culling/gpu/depth_shaders.h"
 
@@ -56,16 +55,9 @@ DepthPass::DepthPass(const GlTable& gl, std::size_t contexts)
       queries_(gl),
       hidden_(gl),
       scenes_(gl, kResidentBytes / contexts) {
-  const auto take = [this](Result<Program> made, Program& program) {
-    if (made) {
-      program = std::move(made).value();
-    } else if (ready_) {
-      ready_ = made.error();
-    }
-  };
-  take(Program::drawing(gl, kOutlineVertexShader, kOutlineFragmentShader), drawing_);
-  take(Program::compute(gl, kReduceShader), reducing_);
-  take(Program::compute(gl, kTestShader), testing_);
+  keep(Program::drawing(gl, kOutlineVertexShader, kOutlineFragmentShader), drawing_, ready_);
+  keep(Program::compute(gl, kReduceShader), reducing_, ready_);
+  keep(Program::compute(gl, kTestShader), testing_, ready_);
   gl.CreateFramebuffers(1, &framebuffer_);
   gl.CreateVertexArrays(1, &no_vertices_);
 }

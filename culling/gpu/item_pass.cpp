@@ -2,8 +2,6 @@
 
 #include <GL/glcorearb.h>
 
-#include <utility>
-
 #include "culling/gpu/item_shaders.h"
 
 namespace culld::gpu {
@@ -60,16 +58,9 @@ class DrawState {
 
 ItemPass::ItemPass(const GlTable& gl, std::size_t contexts)
     : gl_(gl), ready_(Done{}), items_(gl), counts_(gl), meshes_(gl, kResidentBytes / contexts) {
-  const auto take = [this](Result<Program> made, Program& program) {
-    if (made) {
-      program = std::move(made).value();
-    } else if (ready_) {
-      ready_ = made.error();
-    }
-  };
-  take(Program::drawing(gl, kItemVertexShader, kNearestFragmentShader), nearest_);
-  take(Program::drawing(gl, kItemVertexShader, kAskedFragmentShader), asked_);
-  take(Program::compute(gl, kCountShader), counting_);
+  keep(Program::drawing(gl, kItemVertexShader, kNearestFragmentShader), nearest_, ready_);
+  keep(Program::drawing(gl, kItemVertexShader, kAskedFragmentShader), asked_, ready_);
+  keep(Program::compute(gl, kCountShader), counting_, ready_);
   gl.CreateFramebuffers(1, &whole_);
   gl.CreateFramebuffers(1, &depth_only_);
   gl.CreateVertexArrays(1, &vertex_array_);

@@ -76,6 +76,14 @@ Program::~Program() {
   if (name_ != 0) gl_->DeleteProgram(name_);
 }
 
+void keep(Result<Program> made, Program& program, Result<void>& ready) {
+  if (made) {
+    program = std::move(made).value();
+  } else if (ready) {
+    ready = made.error();
+  }
+}
+
 Buffer::Buffer(const GlTable& gl) : gl_(&gl) { gl.CreateBuffers(1, &name_); }
 
 Buffer::~Buffer() {

@@ -34,6 +34,9 @@ class Program {
   unsigned name_ = 0;
 };
 
+/// Into `program`; or into `ready` why not, if nothing failed before.
+void keep(Result<Program> made, Program& program, Result<void>& ready);
+
 /// A buffer that shaders read and write as an array.
 class Buffer {
  public:

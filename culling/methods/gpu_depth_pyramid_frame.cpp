@@ -14,8 +14,6 @@ namespace {
 // the object and the camera alone, so that answers do not depend on what was drawn first.
 constexpr std::uint32_t kLeastOccluderSide = 3;  ///< cells; smaller ones rarely fill any
 
-constexpr std::uint32_t kStepsPerLook = 16;  ///< between two looks at the clock
-
 // Nanoseconds of counted work: rough, and of the CPU's part.
 constexpr std::uint64_t kFrameNs = 200'000, kNodeNs = 150, kPieceNs = 1200;
 
@@ -44,8 +42,7 @@ GpuDepthPyramidFrame::GpuDepthPyramidFrame(const SceneSnapshot& scene, const Wid
       bvh_(bvh),
       occluders_(occluders),
       parts_(parts),
-      deadline_(deadline),
-      most_work_(demand.work),
+      budget_(deadline, demand.work),
       memory_(memory),
       frustum_(camera, bvh),
       view_(cellView(camera, gridFor(camera))),
@@ -70,7 +67,7 @@ Result<void> GpuDepthPyramidFrame::run(gpu::ContextPool::Lease& gpu, const gpu::
   }
   if (memory_.kept_in.size() < scene_.objectCount()) memory_.kept_in.resize(scene_.objectCount());
   collect(answer);
-  if (!memory_.queries.empty() && !stopped_) {
+  if (!memory_.queries.empty() && !budget_.stopped()) {
     pass.begin(view_.grid);
     const std::uint32_t last = memory_.frame;
     const auto was_visible = [&](ObjectId id) { return memory_.kept_in[id] == last; };
@@ -83,15 +80,8 @@ Result<void> GpuDepthPyramidFrame::run(gpu::ContextPool::Lease& gpu, const gpu::
   return Done{};
 }
 
-bool GpuDepthPyramidFrame::mayGoOn() {
-  if (stopped_) return false;
-  if (looks_++ % kStepsPerLook == 0) stopped_ = deadline_.passed();
-  if (most_work_.count() != 0 && work() >= most_work_) stopped_ = true;
-  return !stopped_;
-}
-
-std::chrono::nanoseconds GpuDepthPyramidFrame::work() const {
-  return std::chrono::nanoseconds(kFrameNs + kNodeNs * stats_.nodes_visited + kPieceNs * pieces_);
+std::uint64_t GpuDepthPyramidFrame::countedNs() const {
+  return kFrameNs + kNodeNs * stats_.nodes_visited + kPieceNs * pieces_;
 }
 
 /// The objects in the frustum, as queries of whole nodes.
@@ -194,7 +184,7 @@ void GpuDepthPyramidFrame::drawObject(gpu::DepthPass& pass, ObjectId id) {
                                      glm::dvec3(occluders_.largest(instance.mesh)));
   ConvexOutline outline;
   for (std::size_t i = 0; i < pieces; ++i) {
-    if (i % kStepsPerLook == kStepsPerLook - 1 && !mayGoOn()) return;
+    if (!mayGoOn()) return;
     ++pieces_;
     const OutlineVerdict verdict = outlineOf(occluders_.piece(instance.mesh, i), rows, view_.grid,
                                              view_.perspective, wanted, outline);
@@ -252,9 +242,9 @@ void GpuDepthPyramidFrame::answerTheRest(Answer& answer) {
       answer.visible.push_back(id);
     }
   }
-  if (stopped_) stats_.in_frustum = 0;  // not counted to the end
-  stats_.work = work();
-  answer.out_of_budget = stopped_;
+  if (budget_.stopped()) stats_.in_frustum = 0;  // not counted to the end
+  stats_.work = budget_.work(countedNs());
+  answer.out_of_budget = budget_.stopped();
   answer.stats = stats_;
 }
 

@@ -10,6 +10,7 @@
 #include "culling/raster/cell_view.h"
 #include "culling/spatial/frustum_test.h"
 #include "culling/spatial/wide_bvh.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -59,15 +60,14 @@ class GpuDepthPyramidFrame {
   void testTheRest(gpu::DepthPass& pass, const gpu::GroupSource& source);
   void answerTheRest(Answer& answer);
   std::uint32_t hiddenLanes(std::size_t query) const;
-  bool mayGoOn();
-  std::chrono::nanoseconds work() const;
+  bool mayGoOn() { return budget_.mayGoOn(countedNs()); }
+  std::uint64_t countedNs() const;
 
   const SceneSnapshot& scene_;
   const WideBvh& bvh_;
   const GpuOccluders& occluders_;
   const GpuDepthPyramidParts& parts_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   GpuDepthPyramidMemory& memory_;
   FrustumTest frustum_;
   CellView view_;
@@ -75,8 +75,6 @@ class GpuDepthPyramidFrame {
   glm::dvec3 eye_world_;
   float largest_row_;  ///< of all coefficients of the view
   bool coherent_;
-  bool stopped_ = false;
-  std::uint32_t looks_ = 0;
   std::uint64_t pieces_ = 0;
   CullStats stats_;
 };

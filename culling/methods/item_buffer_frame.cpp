@@ -73,8 +73,7 @@ ItemBufferFrame::ItemBufferFrame(const SceneSnapshot& scene, const ItemMeshes& m
       meshes_(meshes),
       source_(meshes.source(scene)),
       parts_(parts),
-      deadline_(deadline),
-      most_work_(most_work),
+      budget_(deadline, most_work),
       eye_world_(camera.origin_world),
       width_(camera.width_px * parts.lattice),
       height_(camera.height_px * parts.lattice),
@@ -97,7 +96,7 @@ Result<ItemPixels> ItemBufferFrame::run(gpu::ContextPool::Lease& gpu, Answer& an
   sortOut(answer.visible);
   pass.begin(width_, height_, items_.size());
   drawAll(pass);
-  if (!stopped_) pass.read(counts_);
+  if (!budget_.stopped()) pass.read(counts_);
   if (auto fine = gpu.check(); !fine) return fine.error();
   return report(answer);
 }
@@ -133,7 +132,7 @@ void ItemBufferFrame::drawAll(gpu::ItemPass& pass) {
   draw(pass, Stage::kNearest, Part::kBlocking, sided);
   stats_.occluders_drawn = static_cast<std::uint32_t>(items_drawn_);
   pass.countTaken();
-  if (parts_.ties && !stopped_) pass.read(counts_);
+  if (parts_.ties && !budget_.stopped()) pass.read(counts_);
   const auto not_found = [&](std::uint32_t i) {
     return !sided(i) || (parts_.ties && counts_[i] == 0);
   };
@@ -143,7 +142,7 @@ void ItemBufferFrame::drawAll(gpu::ItemPass& pass) {
 
 template <typename Wanted>
 void ItemBufferFrame::draw(gpu::ItemPass& pass, Stage stage, Part part, const Wanted& wanted) {
-  for (std::uint32_t i = 0; i < items_.size() && !stopped_; ++i) {
+  for (std::uint32_t i = 0; i < items_.size() && !budget_.stopped(); ++i) {
     const ItemMesh& mesh = meshes_.mesh(items_[i].mesh);
     if (!(part == Part::kBlocking ? mesh.blocks() : mesh.shows()) || !wanted(i)) continue;
     add(i, part);
@@ -180,8 +179,8 @@ void ItemBufferFrame::add(std::uint32_t number, Part part) {
 void ItemBufferFrame::flush(gpu::ItemPass& pass, Stage stage) {
   items_drawn_ += batch_.size();
   triangles_ += batch_triangles_;
-  stopped_ = stopped_ || deadline_.passed() || (most_work_.count() != 0 && work() > most_work_);
-  if (!stopped_) pass.draw(stage, source_, batch_, draws_);
+  budget_.lookNext();
+  if (budget_.mayGoOn(countedNs())) pass.draw(stage, source_, batch_, draws_);
   batch_.clear();
   draws_.clear();
   batch_triangles_ = 0;
@@ -189,12 +188,12 @@ void ItemBufferFrame::flush(gpu::ItemPass& pass, Stage stage) {
 
 ItemPixels ItemBufferFrame::report(Answer& answer) {
   constexpr std::uint64_t kMost = 0xFFFFFFFFU;
-  stats_.work = work();
+  stats_.work = budget_.work(countedNs());
   stats_.triangles_drawn = static_cast<std::uint32_t>(std::min(triangles_, kMost));
   answer.stats = stats_;
-  answer.out_of_budget = stopped_;
+  answer.out_of_budget = budget_.stopped();
   ItemPixels pixels;
-  if (stopped_) return pixels;
+  if (budget_.stopped()) return pixels;
   answer.visible = kept_;
   const auto samples_per_pixel = static_cast<float>(parts_.lattice * parts_.lattice);
   for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -214,9 +213,9 @@ ObjectRows ItemBufferFrame::rowsOf(const Instance& instance) const {
                     meshes_.mesh(instance.mesh).largest);
 }
 
-std::chrono::nanoseconds ItemBufferFrame::work() const {
-  return stats_.work +
-         std::chrono::nanoseconds(kFrameNs + kItemNs * items_drawn_ + kTriangleNs * triangles_);
+std::uint64_t ItemBufferFrame::countedNs() const {
+  return static_cast<std::uint64_t>(stats_.work.count()) + kFrameNs + kItemNs * items_drawn_ +
+         kTriangleNs * triangles_;
 }
 
 }  // namespace culld

@@ -11,6 +11,7 @@
 #include "culling/methods/item_buffer_meshes.h"
 #include "culling/raster/cell_view.h"
 #include "culling/raster/object_rows.h"
+#include "culling/work_budget.h"
 
 namespace culld {
 
@@ -57,21 +58,19 @@ class ItemBufferFrame {
   ItemPixels report(Answer& answer);
   ObjectRows rowsOf(const Instance& instance) const;
   bool isDrawable(const ObjectRows& rows, const glm::dvec3& largest) const;
-  std::chrono::nanoseconds work() const;
+  std::uint64_t countedNs() const;
 
   const SceneSnapshot& scene_;
   const ItemMeshes& meshes_;
   gpu::MeshSource source_;
   const ItemBufferParts& parts_;
-  const Deadline& deadline_;
-  std::chrono::nanoseconds most_work_;  ///< 0: no limit
+  WorkBudget budget_;
   glm::dvec3 eye_world_;
   std::uint32_t width_, height_;  ///< samples
   CellView view_;                 ///< u and v are clip coordinates
   std::vector<Drawn> items_;
   std::vector<ObjectId> kept_;         ///< whatever is drawn
   std::vector<std::uint32_t> counts_;  ///< samples, by number
-  bool stopped_ = false;
   CullStats stats_;
   std::uint64_t triangles_ = 0, items_drawn_ = 0;
   // What is not given to the GPU so far.

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "culling/core/sum_abs.h"
-
 #include "culling/occluders/facing_clusters.h"
 
 namespace culld {

@@ -156,6 +156,7 @@ void PartVoxels::fillRow(std::span<const Crossing> row, bool two_sided, VoxelBit
     sum += c.winding;
     undecided = undecided || c.undecided;
   }
+  // (The sum of a closed part is 0 wherever all is decided: the second only makes sure.)
   if (undecided || sum != 0) return unclear.fill(run);
   std::int32_t winding = 0;
   for (std::size_t i = 0; i + 1 < row.size(); ++i) {

@@ -66,11 +66,7 @@ TEST_F(GpuOutlineAttack, AlsoWhereCancellationLeavesVerticesFewDigits) {
 }
 
 TEST_F(GpuMotionAttack, WhatLiesBehindACoveredCellIsHiddenFromEveryPose) {
-  for (std::uint64_t seed = 1; seed <= 1600 && !HasFatalFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    begin(seed);
-    attackMotion();
-  }
+  attackSeeds(1600);
   std::printf("%zu outlines, %zu cells judged\n", drawn_, cells_);
   EXPECT_GT(drawn_, 250U);
   EXPECT_GT(cells_, 500U);
@@ -78,10 +74,7 @@ TEST_F(GpuMotionAttack, WhatLiesBehindACoveredCellIsHiddenFromEveryPose) {
 
 TEST_F(GpuMotionAttack, WouldNoticeEdgesThatDoNotSway) {
   forget_motion_ = true;
-  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-    begin(seed);
-    attackMotion();
-  }
+  attackSeeds(400);
   EXPECT_GT(open_, 100U);
 }
 

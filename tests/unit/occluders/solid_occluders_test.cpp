@@ -53,6 +53,8 @@ TEST_F(SolidOccludersTest, AnEyeIsClearOutsideOfAllThatTheBoxesStandFor) {
   EXPECT_FALSE(solids.clear(at({0, 1, 0})));
   EXPECT_FALSE(solids.clear(at({0, 1, 0.1})));
   EXPECT_FALSE(solids.clear(at({0, 1, 1}, 0.95)));
+  EXPECT_FALSE(solids.clear(at({0, 1, double{0.1F} + 1e-13})));  // the face may be so much off
+  EXPECT_TRUE(solids.clear(at({0, 1, double{0.1F} + 1e-6})));
   EXPECT_FALSE(solids.clear(at(glm::dvec3(std::nan("")))));
 }
 

@@ -144,6 +144,83 @@ TEST_F(StrictSolids, ASlitStaysOpenWhateverElseIsFarAway) {
   }
 }
 
+/// Where in a voxel its row along x is looked along, as strict_solids.cpp has it.
+constexpr float kRowY = 0.53125F, kRowZ = 0.40625F;
+
+/// The surface of a U of blocks, two arms on a base, closed and without T-junctions. The faces that
+/// look into it are fans around the place where the one row between the arms goes along x.
+Triangles armsAround(const VoxelGrid& grid, const glm::vec3& row) {
+  Triangles t;
+  const auto holds = [](int x, int z) {
+    return z == 0 ? x >= 0 && x < 3 : z == 1 && (x == 0 || x == 2);
+  };
+  const auto corner = [&](int x, int y, int z) {
+    return glm::vec3(grid.planes(0)[static_cast<std::size_t>(x)],
+                     grid.planes(1)[static_cast<std::size_t>(y)],
+                     grid.planes(2)[static_cast<std::size_t>(z)]);
+  };
+  const auto triangle = [&](glm::vec3 a, glm::vec3 b, glm::vec3 c, const glm::vec3& out) {
+    if (glm::dot(glm::cross(b - a, c - a), out) < 0.0F) std::swap(b, c);
+    for (const glm::vec3& p : {a, b, c}) {
+      t.indices.push_back(static_cast<std::uint32_t>(t.positions.size()));
+      t.positions.push_back(p);
+    }
+  };
+  const auto face = [&](const std::array<glm::vec3, 4>& p, const glm::vec3& out) {
+    const bool inner = p[0].x == p[2].x && p[0].x > grid.planes(0)[0] && p[0].x < grid.planes(0)[3];
+    const glm::vec3 middle = inner ? glm::vec3(p[0].x, row.y, row.z) : 0.5F * (p[0] + p[2]);
+    for (std::size_t i = 0; i < 4; ++i) triangle(p[i], p[(i + 1) % 4], middle, out);
+  };
+  for (int z = 0; z < 2; ++z) {
+    for (int x = 0; x < 3; ++x) {
+      if (!holds(x, z)) continue;
+      for (const int y : {0, 1}) {
+        face({corner(x, y, z), corner(x + 1, y, z), corner(x + 1, y, z + 1), corner(x, y, z + 1)},
+             {0, y == 0 ? -1 : 1, 0});
+      }
+      for (const int side : {0, 1}) {
+        const int u = x + side, w = z + side;
+        if (!holds(x + 2 * side - 1, z)) {
+          face({corner(u, 0, z), corner(u, 1, z), corner(u, 1, z + 1), corner(u, 0, z + 1)},
+               {2 * side - 1, 0, 0});
+        }
+        if (!holds(x, z + 2 * side - 1)) {
+          face({corner(x, 0, w), corner(x + 1, 0, w), corner(x + 1, 1, w), corner(x, 1, w)},
+               {0, 0, 2 * side - 1});
+        }
+      }
+    }
+  }
+  return t;
+}
+
+TEST_F(StrictSolids, ARowThatMeetsCornersProvesNothing) {
+  const VoxelGrid grid({std::vector<double>{0, 2, 4, 6}, {0, 8}, {0, 2, 10}});
+  // Beside the row's place the arms are solid.
+  for (const float beside : {0.0F, 0.25F}) {
+    add(armsAround(grid, {0, 8 * kRowY + beside, 2 + 8 * kRowZ + beside}));
+    const SnapshotPtr scene = builder_.finish();
+    const SolidParts parts = SolidParts::of(*scene);
+    ASSERT_EQ(parts.parts().size(), 1U);
+    const SolidVoxels voxels = strictSolids(parts, grid, 1e-12, 100'000'000);
+    EXPECT_TRUE(voxels.solid.every({{0, 0, 0}, {3, 1, 1}}));
+    EXPECT_FALSE(voxels.solid.test({1, 0, 1})) << "between the arms";
+    EXPECT_EQ(voxels.solid.test({0, 0, 1}), beside != 0.0F);
+    builder_ = SceneBuilder();
+  }
+}
+
+TEST_F(StrictSolids, APartWhosePlaceIsUncertainIsLeftOut) {
+  const float far = 0x1p30F;
+  const Triangles box = scenes::box(glm::vec3(far), glm::vec3(far + 1024.0F));
+  add(box, {1, 0, 0, -double{far}, 0, 1, 0, -double{far}, 0, 0, 1, -double{far}});
+  EXPECT_TRUE(
+      voxelize().voxels.makers.empty());  // up to 2^-19 m off, where planes are 2^-36 m apart
+  builder_ = SceneBuilder();
+  add(scenes::box(glm::vec3(0.0F), glm::vec3(1024.0F)));
+  EXPECT_FALSE(voxelize().voxels.makers.empty());
+}
+
 TEST_F(StrictSolids, APinholeACrackAndATJunctionOpenAPart) {
   Triangles pinhole = scenes::box(glm::vec3(0), glm::vec3(2));
   pinhole.indices.resize(pinhole.indices.size() - 3);

@@ -294,10 +294,12 @@ class CellAttack : public testing::Test {
     return std::max(least, cells.cells(block)[y % 8 * 8 + x % 8]);
   }
 
-  /// Covered cells, mostly at the rim of what is covered, where a wrong margin shows first.
-  void judge(const TrueView& view, const TrueObject& object, DepthCells& cells) {
+  /// Calls look(x, y, nearness) for so many covered cells, mostly at the rim of what is covered,
+  /// where a wrong margin shows first; until one fails.
+  template <typename Look>
+  void atCoveredCells(DepthCells& cells, int most, const Look& look) {
     const CellGrid& grid = cells.grid();
-    for (int i = 0, tries = 0; i < 12 && tries < 600; ++tries) {
+    for (int i = 0, tries = 0; i < most && tries < 600 && !HasFatalFailure(); ++tries) {
       const auto x = static_cast<std::uint32_t>(random_() % grid.width);
       const auto y = static_cast<std::uint32_t>(random_() % grid.height);
       const float nearness = nearnessOf(cells, x, y);
@@ -308,6 +310,12 @@ class CellAttack : public testing::Test {
       if (inner && !chance(10)) continue;
       ++i;
       ++cells_;
+      look(x, y, nearness);
+    }
+  }
+
+  void judge(const TrueView& view, const TrueObject& object, DepthCells& cells) {
+    atCoveredCells(cells, 12, [&](std::uint32_t x, std::uint32_t y, float nearness) {
       for (int k = 0; k < 8; ++k) {
         const int right = k % 2, up = k / 2;  // the four corners first
         const Quad s = x + (k < 4 ? Quad(right) : Quad(real(0.0, 1.0)));
@@ -315,7 +323,7 @@ class CellAttack : public testing::Test {
         ASSERT_GE(object.blockedAt(view, view.through(s, t)), Quad(nearness))
             << "cell " << x << ", " << y << ", place " << k;
       }
-    }
+    });
   }
 
   double fov_ = 1.0;

@@ -26,6 +26,14 @@ struct Pose {
 
 class MotionAttack : public CellAttack {
  protected:
+  void attackSeeds(std::uint64_t most) {
+    for (std::uint64_t seed = 1; seed <= most && !HasFatalFailure(); ++seed) {
+      SCOPED_TRACE("seed " + std::to_string(seed));
+      begin(seed);
+      attackMotion();
+    }
+  }
+
   void attackMotion() {
     const double reach = chance(3) ? 1e6 : 0.0;
     const double distance = std::exp2(real(-7.0, 7.0));
@@ -47,23 +55,11 @@ class MotionAttack : public CellAttack {
     judgeMotion(camera, view, drawn, m, cells);
   }
 
-  /// Of covered cells, mostly at the rim of what is covered.
   void judgeMotion(const Camera& camera, const CellView& view, const Mesh& mesh,
                    const std::array<double, 12>& m, DepthCells& cells) {
-    const CellGrid& grid = cells.grid();
     const std::vector<Vec> corners = cornersOf(mesh, m, camera.origin_world);
     mirrored_ = handedness(m) < 0.0;
-    for (int i = 0, tries = 0; i < 10 && tries < 600; ++tries) {
-      const auto x = static_cast<std::uint32_t>(random_() % grid.width);
-      const auto y = static_cast<std::uint32_t>(random_() % grid.height);
-      const float nearness = nearnessOf(cells, x, y);
-      if (!(nearness > 0.0F)) continue;
-      const bool inner = x > 0 && y > 0 && x + 1 < grid.width && y + 1 < grid.height &&
-                         nearnessOf(cells, x - 1, y) > 0.0F && nearnessOf(cells, x + 1, y) > 0.0F &&
-                         nearnessOf(cells, x, y - 1) > 0.0F && nearnessOf(cells, x, y + 1) > 0.0F;
-      if (inner && !chance(10)) continue;
-      ++i;
-      ++cells_;
+    atCoveredCells(cells, 10, [&](std::uint32_t x, std::uint32_t y, float nearness) {
       for (int k = 0; k < 16; ++k) {
         const Quad s = x + (k % 2 == 0 ? Quad(k / 2 % 2) : Quad(real(0.0, 1.0)));
         const Quad t = y + (k % 2 == 0 ? Quad(k / 4 % 2) : Quad(real(0.0, 1.0)));
@@ -75,7 +71,7 @@ class MotionAttack : public CellAttack {
           ASSERT_TRUE(forget_motion_) << "cell " << x << ", " << y << ", place " << k;
         }
       }
-    }
+    });
   }
 
   Vec placeBehind(const CellView& view, Quad s, Quad t, Quad nearness, double behind) {

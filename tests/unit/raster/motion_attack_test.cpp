@@ -39,11 +39,7 @@ class CellsInMotion : public MotionAttack {
 };
 
 TEST_F(CellsInMotion, WhatLiesBehindACoveredCellIsHiddenFromEveryPose) {
-  for (std::uint64_t seed = 1; seed <= 4000 && !HasFatalFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    begin(seed);
-    attackMotion();
-  }
+  attackSeeds(4000);
   std::printf("%zu outlines, %zu cells judged\n", outlines_, cells_);
   EXPECT_GT(cells_, 1500U);
   EXPECT_GT(outlines_, 50U);
@@ -51,10 +47,7 @@ TEST_F(CellsInMotion, WhatLiesBehindACoveredCellIsHiddenFromEveryPose) {
 
 TEST_F(CellsInMotion, WouldNoticeEdgesThatDoNotSway) {
   forget_motion_ = true;
-  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
-    begin(seed);
-    attackMotion();
-  }
+  attackSeeds(400);
   EXPECT_GT(open_, 100U);
 }
 
